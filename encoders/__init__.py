@@ -1,0 +1,1 @@
+"""What a motion and a sentence are, and how both become vectors. Knows no files of users."""

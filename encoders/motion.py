@@ -1,0 +1,77 @@
+"""Motion: what a body does, as 22 joints in metres, Y up, at a steady frame rate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.skeleton import JOINTS, MIRROR
+
+FPS = 20.0
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion on the 22-joint skeleton.
+
+    Attributes
+    ----------
+    joints : float32 array (T, 22, 3)
+        Positions in metres, Y up; read-only.
+    fps : float
+        Frames a second.
+    """
+
+    joints: NDArray[np.float32]
+    fps: float = FPS
+
+    def __post_init__(self) -> None:
+        joints = np.array(self.joints, dtype=np.float32)
+        if joints.ndim != 3 or joints.shape[1:] != (len(JOINTS), 3) or len(joints) == 0:
+            raise ValueError(f"joints.shape={joints.shape} must be (T, {len(JOINTS)}, 3) with T >= 1")
+        if not np.isfinite(joints).all():
+            raise ValueError("joints must be finite")
+        if not (np.isfinite(self.fps) and self.fps > 0):
+            raise ValueError(f"fps={self.fps} must be positive")
+        joints.flags.writeable = False
+        object.__setattr__(self, "joints", joints)
+        object.__setattr__(self, "fps", float(self.fps))
+
+    def __len__(self) -> int:
+        return len(self.joints)
+
+    @property
+    def duration(self) -> float:
+        """Seconds, counting each frame for one frame's time."""
+        return len(self.joints) / self.fps
+
+    def crop(self, start: float = 0.0, end: float | None = None) -> Motion:
+        """The frames from `start` to `end`, in seconds; at least one frame.
+
+        Raises
+        ------
+        ValueError
+            If the span is empty or begins after the motion ends.
+        """
+        end = self.duration if end is None else min(end, self.duration)
+        first, last = round(max(start, 0.0) * self.fps), round(end * self.fps)
+        if start >= end or first >= len(self.joints):
+            raise ValueError(f"span {start:g} to {end:g} s lies outside a motion of {self.duration:g} s")
+        return Motion(self.joints[first : max(last, first + 1)], self.fps)
+
+    def resample(self, fps: float = FPS) -> Motion:
+        """The same movement at another rate: joint positions interpolated linearly on the true time grid."""
+        if fps == self.fps:
+            return self
+        count = int(np.floor((len(self.joints) - 1) * fps / self.fps + 1e-6)) + 1
+        at = np.arange(count) * (self.fps / fps)
+        low = np.minimum(at.astype(np.int64), len(self.joints) - 1)
+        high = np.minimum(low + 1, len(self.joints) - 1)
+        weight = (at - low).astype(np.float32)[:, None, None]
+        return Motion(self.joints[low] * (1 - weight) + self.joints[high] * weight, fps)
+
+    def mirror(self) -> Motion:
+        """Left and right swapped, x flipped."""
+        return Motion(self.joints[:, MIRROR] * np.array([-1, 1, 1], np.float32), self.fps)
