@@ -1,0 +1,218 @@
+"""The default model's features, `body`: the same numbers for the same movement, whoever or whatever performs it.
+
+A rig's proportions and rest pose (hip width, collars, spine curve, shoulder slope) say nothing about a movement but
+shift joint positions by more than many movements do. So a canonical, left-right symmetric body is rebuilt from what
+rigs agree on: the directions of limbs, the line across the hips, the line across the shoulders and the line between
+their midpoints. Heading and place are then removed frame by frame. No number depends on where a window begins:
+compute features once for a take and slice them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.motion import Motion
+from encoders.skeleton import BONE_LENGTHS, INDEX
+
+Array = NDArray[np.float32]
+
+#: The rate at which velocities are taken, and the rate of the features.
+SOURCE_FPS = 20.0
+FPS = 10.0
+
+#: The points of the canonical body, in the order of the position and velocity features.
+POINTS = (
+    "head", "left_shoulder", "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist",
+    "left_knee", "right_knee", "left_ankle", "right_ankle", "left_foot", "right_foot",
+)  # fmt: skip
+#: Points that can bear weight on the ground, in the order of the contact features.
+SOLES = ("left_ankle", "right_ankle", "left_foot", "right_foot")
+
+
+def _lay_out(**sizes: int) -> dict[str, slice]:
+    ends = np.cumsum(list(sizes.values())).tolist()
+    return {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
+
+
+#: Where each group of numbers lies: metres, metres a second, radians a second, unit vectors, contacts in 0..1.
+LAYOUT = _lay_out(
+    positions=3 * len(POINTS),
+    velocities=3 * len(POINTS),
+    height=1,
+    trunk_up=3,
+    pelvis_forward=3,
+    chest_forward=3,
+    root_velocity=3,
+    yaw_rate=1,
+    contacts=len(SOLES),
+)
+SIZE = LAYOUT["contacts"].stop
+
+
+def _both(name: str) -> float:
+    return float(BONE_LENGTHS[INDEX[f"left_{name}"]] + BONE_LENGTHS[INDEX[f"right_{name}"]]) / 2
+
+
+# Metres. The lines that the target skeleton does not state are those of an average adult with such legs.
+_THIGH, _SHANK, _FOOT = _both("knee"), _both("ankle"), _both("foot")
+_UPPER_ARM, _FOREARM = _both("elbow"), _both("wrist")
+_HIP, _SHOULDER, _TRUNK, _HEAD = 0.1, 0.18, 0.48, 0.2
+_SOLE_HEIGHTS = np.array([0.08, 0.08, 0.0, 0.0], np.float32)
+
+_FLOOR_PERCENTILE = 5.0
+_HEADING_KERNEL = np.array([1, 3, 6, 7, 6, 3, 1], np.float32) / 27
+_CONTACT_SPEED, _CONTACT_HEIGHT = 0.4, 0.1
+_FARTHEST = 1e6  # metres: keeps squares of absurd but finite input within float32
+
+
+def _unit(vectors: Array) -> Array:
+    """Vectors of length one; (near) zero vectors become zero."""
+    length = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))[..., None]
+    return vectors / np.maximum(length, 1e-6)
+
+
+def _rate(values: Array, fps: float) -> Array:
+    """Time derivative along axis 0 by central differences, one-sided at the ends, zero for a single frame."""
+    if len(values) == 1:
+        return np.zeros_like(values)
+    rate = np.empty_like(values)
+    rate[1:-1] = (values[2:] - values[:-2]) * (fps / 2)
+    rate[0] = (values[1] - values[0]) * fps
+    rate[-1] = (values[-1] - values[-2]) * fps
+    return rate
+
+
+def _smooth(values: Array) -> Array:
+    """Values averaged over a few neighbouring frames (axis 0), the ends held."""
+    reach = len(_HEADING_KERNEL) // 2
+    padded = np.concatenate([values[:1].repeat(reach, 0), values, values[-1:].repeat(reach, 0)])
+    smooth = np.zeros_like(values)
+    for shift, weight in enumerate(_HEADING_KERNEL):
+        smooth += weight * padded[shift : shift + len(values)]
+    return smooth
+
+
+def _scale(joint: dict[str, Array]) -> Array:
+    """Target leg length over this body's own, the median over frames; 1 where the body has no legs."""
+    bones = [
+        np.linalg.norm(joint[f"{side}_{end}"] - joint[f"{side}_{start}"], axis=-1)
+        for side in ("left", "right")
+        for start, end in (("hip", "knee"), ("knee", "ankle"))
+    ]
+    legs = np.median(sum(bones), axis=0)
+    return np.where(legs > 1e-4, 2 * (_THIGH + _SHANK) / np.maximum(legs, 1e-4), 1).astype(np.float32)
+
+
+def _heading(hips: Array, shoulders: Array, pelvis_forward: Array) -> tuple[Array, Array]:
+    """Cosine and sine of the turn about Y that faces the body to +Z.
+
+    Facing is square to the lines across hips and shoulders. Where a body lies on its side these stand upright, and
+    what the pelvis faces decides; it has less weight, since it opposes them in a handstand.
+    """
+    across = hips + shoulders
+    forward = np.stack([-across[..., 2], across[..., 0]], -1) + 0.5 * pelvis_forward[..., ::2]
+    forward = _smooth(forward)
+    length = np.sqrt(np.einsum("...i,...i->...", forward, forward))
+    known = length > 1e-5
+    cosine = np.where(known, forward[..., 1], 1) / np.where(known, length, 1)
+    sine = np.where(known, forward[..., 0], 0) / np.where(known, length, 1)
+    return cosine, sine
+
+
+def _turn(vectors: Array, cosine: Array, sine: Array) -> Array:
+    """Vectors (T, ..., P, 3) turned about Y so that the heading becomes +Z."""
+    x, z = vectors[..., 0], vectors[..., 2]
+    cosine, sine = cosine[..., None], sine[..., None]
+    return np.stack([cosine * x - sine * z, vectors[..., 1], sine * x + cosine * z], axis=-1)
+
+
+def body_features(joints: NDArray[np.floating], fps: float = SOURCE_FPS) -> Array:
+    """Features of one motion or of many of equal length.
+
+    Parameters
+    ----------
+    joints : array (..., T, 22, 3)
+        Positions in metres (any scale will do), Y up.
+    fps : float
+        Frames a second of `joints`.
+
+    Returns
+    -------
+    float32 array (..., ceil(T / 2), SIZE)
+        Every second frame's features, laid out as `LAYOUT` says. Finite for finite joints.
+    """
+    joints = np.moveaxis(np.clip(joints, -_FARTHEST, _FARTHEST).astype(np.float32), -3, 0)
+    joint = {name: joints[..., i, :] for name, i in INDEX.items()}
+    sides = ("left", "right")
+
+    scale = _scale(joint)[..., None]
+    middle_hip = (joint["left_hip"] + joint["right_hip"]) / 2
+    middle_shoulder = (joint["left_shoulder"] + joint["right_shoulder"]) / 2
+    root = middle_hip * scale
+    up = _unit(middle_shoulder - middle_hip)
+    hips = _unit(joint["left_hip"] - joint["right_hip"])
+    shoulders = _unit(joint["left_shoulder"] - joint["right_shoulder"])
+    pelvis_forward, chest_forward = _unit(np.cross(hips, up)), _unit(np.cross(shoulders, up))
+
+    place: dict[str, Array] = {"head": _TRUNK * up + _HEAD * _unit(joint["head"] - middle_shoulder)}
+    for side, sign in zip(sides, (1, -1), strict=True):
+        place[f"{side}_shoulder"] = _TRUNK * up + sign * _SHOULDER * shoulders
+        place[f"{side}_hip"] = sign * _HIP * hips
+        for start, end, length in (
+            ("shoulder", "elbow", _UPPER_ARM),
+            ("elbow", "wrist", _FOREARM),
+            ("hip", "knee", _THIGH),
+            ("knee", "ankle", _SHANK),
+            ("ankle", "foot", _FOOT),
+        ):
+            direction = _unit(joint[f"{side}_{end}"] - joint[f"{side}_{start}"])
+            place[f"{side}_{end}"] = place[f"{side}_{start}"] + length * direction
+    points = np.stack([place[name] for name in POINTS], axis=-2)
+
+    lowest = np.minimum(points[..., 1].min(-1), 0) + root[..., 1]
+    height = root[..., 1] - np.percentile(lowest, _FLOOR_PERCENTILE, axis=0).astype(np.float32)
+
+    velocities, root_velocity = _rate(points, fps), _rate(root, fps)
+    soles = [POINTS.index(name) for name in SOLES]
+    speed = np.linalg.norm(velocities[..., soles, :] + root_velocity[..., None, :], axis=-1)
+    above = np.maximum(points[..., soles, 1] + height[..., None] - _SOLE_HEIGHTS, 0)
+    contacts = 1 / (1 + (speed / _CONTACT_SPEED) ** 2 + (above / _CONTACT_HEIGHT) ** 2)
+
+    cosine, sine = _heading(hips, shoulders, pelvis_forward)
+    yaw_rate = cosine * _rate(sine, fps) - sine * _rate(cosine, fps)
+
+    vectors = np.stack([up, pelvis_forward, chest_forward, root_velocity], axis=-2)
+    turned = _turn(np.concatenate([points, velocities, vectors], axis=-2)[::2], cosine[::2], sine[::2])
+    flat = turned.reshape(*turned.shape[:-2], -1)
+    ends = 2 * LAYOUT["positions"].stop
+    features = np.concatenate(
+        [flat[..., :ends], height[::2, ..., None], flat[..., ends:], yaw_rate[::2, ..., None], contacts[::2]], axis=-1
+    )
+    return np.moveaxis(features, 0, -2).astype(np.float32)
+
+
+def of_motion(motion: Motion) -> Array:
+    """The features (T', SIZE) of a motion at any rate, T' frames at 10 a second."""
+    return body_features(motion.resample(SOURCE_FPS).joints)
+
+
+def _mirrored_name(name: str) -> str:
+    side, _, rest = name.partition("_")
+    return {"left": "right_", "right": "left_"}[side] + rest if rest else name
+
+
+def _mirror() -> tuple[NDArray[np.int64], Array]:
+    index, sign = np.arange(SIZE), np.ones(SIZE, np.float32)
+    swap = [POINTS.index(_mirrored_name(name)) for name in POINTS]
+    for group in ("positions", "velocities"):
+        index[LAYOUT[group]] = index[LAYOUT[group]].reshape(-1, 3)[swap].ravel()
+        sign[LAYOUT[group]][::3] = -1
+    for group in ("trunk_up", "pelvis_forward", "chest_forward", "root_velocity", "yaw_rate"):
+        sign[LAYOUT[group].start] = -1
+    index[LAYOUT["contacts"]] = index[LAYOUT["contacts"]][[SOLES.index(_mirrored_name(name)) for name in SOLES]]
+    return index, sign
+
+
+#: ``features[..., MIRROR_INDEX] * MIRROR_SIGN`` are the features of the mirrored motion.
+MIRROR_INDEX, MIRROR_SIGN = _mirror()
