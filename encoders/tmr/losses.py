@@ -1,0 +1,85 @@
+"""TMR's losses: reconstruction, four KL terms, nearness of the latents, and InfoNCE without wrong negatives.
+
+Formulas (4.1)-(4.3) and (5.1) of Petrovich's thesis, averaged as the published code averages them: over all
+elements, padding included (there both sides are zero).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from encoders.tmr.network import Gaussian
+
+
+@dataclass(frozen=True)
+class Weights:
+    """What each term counts in the sum; the defaults are those of published TMR."""
+
+    reconstruction: float = 1.0
+    kl: float = 1e-5
+    latent: float = 1e-5
+    contrastive: float = 0.1
+
+
+def reconstruction(target: Tensor, *decoded: Tensor) -> Tensor:
+    """Smooth L1 between the target (B, T, F) and each decoded motion, summed over the decoded ones."""
+    return torch.stack([F.smooth_l1_loss(motion, target) for motion in decoded]).sum()
+
+
+def kl(p: Gaussian, q: Gaussian) -> Tensor:
+    """KL(p || q) of diagonal Gaussians, averaged over batch and dimensions."""
+    variance_ratio = torch.exp(p.logvar - q.logvar)
+    distance = (p.mu - q.mu) ** 2 * torch.exp(-q.logvar)
+    return 0.5 * (variance_ratio + distance - 1 - (p.logvar - q.logvar)).mean()
+
+
+def kl_terms(text: Gaussian, motion: Gaussian) -> Tensor:
+    """The sum of KL(text || motion), KL(motion || text), KL(motion || N(0, 1)) and KL(text || N(0, 1))."""
+    standard = Gaussian(torch.zeros_like(text.mu), torch.zeros_like(text.logvar))
+    return kl(text, motion) + kl(motion, text) + kl(motion, standard) + kl(text, standard)
+
+
+def nearness(text: Tensor, motion: Tensor) -> Tensor:
+    """Smooth L1 between the latents (B, D) of the two sides."""
+    return F.smooth_l1_loss(text, motion)
+
+
+def similar_sentences(embeddings: Tensor, threshold: float = 0.8) -> Tensor:
+    """Pairs that are no true negatives: boolean (B, B), True where two sentences say nearly the same.
+
+    Parameters
+    ----------
+    embeddings : (B, E)
+        Unit vectors of the captions.
+    threshold : float
+        On the (1 + cosine) / 2 scale; 0.8 is a cosine of 0.6. The diagonal is never True.
+    """
+    similar = embeddings @ embeddings.T > 2 * threshold - 1
+    return similar & ~torch.eye(len(embeddings), dtype=torch.bool, device=embeddings.device)
+
+
+def contrastive(text: Tensor, motion: Tensor, temperature: float | Tensor, ignore: Tensor | None = None) -> Tensor:
+    """Symmetric InfoNCE over cosines of latents (B, D); row i of one side belongs to row i of the other.
+
+    Parameters
+    ----------
+    temperature : float or scalar tensor
+        A tensor may be learned.
+    ignore : boolean (B, B), text by motion
+        Pairs left out of both denominators; the diagonal stays whatever it says.
+    """
+    logits = F.normalize(text, dim=-1) @ F.normalize(motion, dim=-1).T / temperature
+    rows = torch.arange(len(logits), device=logits.device)
+    if ignore is not None:
+        own = torch.eye(len(logits), dtype=torch.bool, device=logits.device)
+        logits = logits.masked_fill(ignore & ~own, -torch.inf)
+    return (F.cross_entropy(logits, rows) + F.cross_entropy(logits.T, rows)) / 2
+
+
+def total(terms: dict[str, Tensor], weights: Weights) -> Tensor:
+    """The weighted sum of terms, which are named as the fields of `Weights`."""
+    return torch.stack([getattr(weights, name) * term for name, term in terms.items()]).sum()
