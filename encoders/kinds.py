@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders import body
+from encoders import body, features
 from encoders.motion import Motion
 
 
@@ -34,4 +34,10 @@ class FeatureKind:
     compute: Callable[[Motion], NDArray[np.float32]]
 
 
-FEATURE_KINDS = {kind.name: kind for kind in (FeatureKind("body", body.SIZE, body.FPS, body.of_motion),)}
+FEATURE_KINDS = {
+    kind.name: kind
+    for kind in (
+        FeatureKind("body", body.SIZE, body.FPS, body.of_motion),
+        FeatureKind("humanml3d", features.SIZE, features.FPS, features.of_motion),
+    )
+}
