@@ -1,0 +1,27 @@
+"""Facts: what a scene makes true, so that a sentence is known to be true of a clip it was not written for.
+
+A sentence that says "a person walks" is true of every clip in which somebody walks left, slowly or drunk. Such a
+pair is no negative for contrastive training; "walks left" against "walks right" is one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from itertools import combinations
+
+from encoders.corpus.scene import Scene, Step
+
+_PARTICULARS = tuple(f.name for f in fields(Step) if f.name != "action")
+
+
+def facts(scene: Scene) -> frozenset[str]:
+    """Everything a scene says: each action, each particular of it, what comes before what, and what happens at once."""
+    found: set[str] = set()
+    for group in scene.steps:
+        for step in group:
+            found.add(step.action)
+            found.update(f"{step.action}.{name}={value}" for name in _PARTICULARS if (value := getattr(step, name)))
+        found.update(f"{'+'.join(sorted((a.action, b.action)))}" for a, b in combinations(group, 2))
+    for earlier, later in combinations(scene.steps, 2):
+        found.update(f"{a.action}<{b.action}" for a in earlier for b in later)
+    return frozenset(found)

@@ -1,0 +1,149 @@
+"""Training pairs: motion features and the sentences that are true of them, packed flat for quick batches."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+_LEFT, _RIGHT = re.compile(r"\bleft"), re.compile(r"\bright")
+
+
+@dataclass(frozen=True)
+class Pair:
+    """One motion with its sentences.
+
+    Attributes
+    ----------
+    features : float array (T, F)
+    captions : sentences that are true of the motion
+    meanings : for each caption the facts it states (made clips), or None (real clips: only the words are known)
+    facts : everything true of the motion (made clips), or None
+    swapped : sentences that look alike but are false: order, side, direction or count changed
+    """
+
+    features: NDArray[np.floating]
+    captions: tuple[str, ...]
+    meanings: tuple[frozenset[str], ...] | None = None
+    facts: frozenset[str] | None = None
+    swapped: tuple[str, ...] = ()
+
+
+class PairStore:
+    """Many pairs in flat arrays.
+
+    Attributes
+    ----------
+    features : float16 (sum of T, F); offsets : int64 (N + 1)
+    texts : distinct sentences; captions, swapped : for each pair indices into `texts`
+    vocabulary : distinct facts; facts : for each pair indices into it, or None
+    meanings : for each pair, for each caption, indices into `vocabulary`
+    """
+
+    def __init__(self, pairs: Iterable[Pair]) -> None:
+        blocks: list[NDArray[np.float16]] = []
+        self.texts: list[str] = []
+        self.vocabulary: list[str] = []
+        self.captions: list[list[int]] = []
+        self.swapped: list[list[int]] = []
+        self.facts: list[list[int] | None] = []
+        self.meanings: list[list[list[int]] | None] = []
+        text_index: dict[str, int] = {}
+        fact_index: dict[str, int] = {}
+        lengths = [0]
+        for pair in pairs:
+            blocks.append(np.asarray(pair.features, dtype=np.float16))
+            lengths.append(len(pair.features))
+            self.captions.append([_intern(text, text_index, self.texts) for text in pair.captions])
+            self.swapped.append([_intern(text, text_index, self.texts) for text in pair.swapped])
+            self.facts.append(
+                None if pair.facts is None else [_intern(f, fact_index, self.vocabulary) for f in sorted(pair.facts)]
+            )
+            self.meanings.append(
+                None
+                if pair.meanings is None
+                else [[_intern(f, fact_index, self.vocabulary) for f in sorted(m)] for m in pair.meanings]
+            )
+        self.features = np.concatenate(blocks) if blocks else np.zeros((0, 0), np.float16)
+        self.offsets = np.cumsum(lengths)
+
+    def __len__(self) -> int:
+        return len(self.captions)
+
+    def motion(self, index: int) -> NDArray[np.float16]:
+        """Features (T, F) of one pair."""
+        return self.features[self.offsets[index] : self.offsets[index + 1]]
+
+    @property
+    def lengths(self) -> NDArray[np.int64]:
+        """Frames of each pair (N,)."""
+        return np.diff(self.offsets)
+
+    def save(self, path: Path) -> None:
+        """Write beside `path` and rename, so that a stopped run leaves no half a store."""
+        words = json.dumps(
+            {name: getattr(self, name) for name in ("texts", "vocabulary", "captions", "swapped", "facts", "meanings")}
+        )
+        partial = path.with_suffix(".partial.npz")
+        np.savez(
+            partial, features=self.features, offsets=self.offsets, words=np.frombuffer(words.encode(), dtype=np.uint8)
+        )
+        os.replace(partial, path)
+
+    @classmethod
+    def load(cls, path: Path) -> PairStore:
+        """Inverse of `save`."""
+        store = cls(())
+        with np.load(path, allow_pickle=False) as arrays:
+            store.features, store.offsets = arrays["features"], arrays["offsets"]
+            vars(store).update(json.loads(arrays["words"].tobytes()))
+        return store
+
+    @classmethod
+    def joined(cls, stores: Sequence[PairStore]) -> PairStore:
+        """All pairs of several stores as one."""
+        return cls(pair for store in stores for pair in store.pairs())
+
+    def pairs(self) -> Iterable[Pair]:
+        """Unpack again."""
+        for i in range(len(self)):
+            facts, meanings = self.facts[i], self.meanings[i]
+            yield Pair(
+                self.motion(i),
+                tuple(self.texts[t] for t in self.captions[i]),
+                None if meanings is None else tuple(frozenset(self.vocabulary[f] for f in m) for m in meanings),
+                None if facts is None else frozenset(self.vocabulary[f] for f in facts),
+                tuple(self.texts[t] for t in self.swapped[i]),
+            )
+
+
+def stated_by(meanings: Sequence[Iterable[int]], facts: Sequence[Iterable[int]], size: int) -> NDArray[np.bool_]:
+    """Whether each meaning (rows) holds in each motion (columns): all its facts are among the motion's."""
+    rows, columns = np.zeros((len(meanings), size), np.float32), np.zeros((len(facts), size), np.float32)
+    for i, row in enumerate(meanings):
+        rows[i, list(row)] = 1
+    for j, column in enumerate(facts):
+        columns[j, list(column)] = 1
+    return np.asarray(rows @ (1 - columns).T == 0) & rows.any(axis=1)[:, None]
+
+
+def sides_conflict(texts: Sequence[str]) -> NDArray[np.bool_]:
+    """Pairs of sentences (B, B) of which one says only left, the other only right: near in words, false for each other."""
+    left = np.array([bool(_LEFT.search(t)) for t in texts])
+    right = np.array([bool(_RIGHT.search(t)) for t in texts])
+    only_left, only_right = left & ~right, right & ~left
+    conflict = only_left[:, None] & only_right[None, :]
+    return conflict | conflict.T
+
+
+def _intern(item: str, index: dict[str, int], items: list[str]) -> int:
+    if item not in index:
+        index[item] = len(items)
+        items.append(item)
+    return index[item]

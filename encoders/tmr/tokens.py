@@ -1,0 +1,64 @@
+"""Token features of many sentences under the frozen language model, computed once and kept flat."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from encoders.tmr.language import LanguageModel, mean_embeddings
+
+
+class TokenTable:
+    """Features of the tokens of each distinct sentence.
+
+    Attributes
+    ----------
+    features : float16 (sum of L, width); offsets : int64 (N + 1)
+    sentences : float32 (N, width), unit sentence embeddings
+    """
+
+    def __init__(self, texts: Sequence[str], language: LanguageModel, cache: Path | None = None) -> None:
+        stored = None if cache is None else cache / f"tokens-{_digest(texts, language.name)}.npz"
+        if stored is not None and stored.exists():
+            with np.load(stored, allow_pickle=False) as arrays:
+                self.features, self.offsets = arrays["features"], arrays["offsets"]
+                self.sentences = arrays["sentences"]
+            return
+        blocks, means = [], []
+        for start in range(0, len(texts), 4096):
+            rows = language.token_features(texts[start : start + 4096])
+            blocks += [row.astype(np.float16) for row in rows]
+            means.append(mean_embeddings(rows))
+        self.features = np.concatenate(blocks)
+        self.offsets = np.cumsum([0, *map(len, blocks)])
+        self.sentences = np.concatenate(means)
+        if stored is not None:
+            cache.mkdir(parents=True, exist_ok=True)  # type: ignore[union-attr]
+            np.savez(stored, features=self.features, offsets=self.offsets, sentences=self.sentences)
+
+    def batch(self, indices: Sequence[int]) -> tuple[Tensor, Tensor]:
+        """Padded features (B, L, width) and boolean mask (B, L) of some sentences."""
+        rows = [self.features[self.offsets[i] : self.offsets[i + 1]] for i in indices]
+        return pad(rows)
+
+
+def pad(rows: Sequence[NDArray[np.floating]]) -> tuple[Tensor, Tensor]:
+    """Rows (L, F) of mixed lengths -> float32 (B, L, F), zero-padded, and boolean mask (B, L)."""
+    lengths = np.array([len(row) for row in rows])
+    padded = np.zeros((len(rows), lengths.max(), rows[0].shape[1]), np.float32)
+    for i, row in enumerate(rows):
+        padded[i, : len(row)] = row
+    return torch.from_numpy(padded), torch.from_numpy(np.arange(padded.shape[1])[None] < lengths[:, None])
+
+
+def _digest(texts: Sequence[str], model: str) -> str:
+    digest = hashlib.sha256(model.encode())
+    for text in texts:
+        digest.update(text.encode() + b"\n")
+    return digest.hexdigest()[:16]

@@ -1,0 +1,71 @@
+"""Captioned takes from a folder, as the model is trained and validated on them."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from encoders.corpus.real import CaptionedSpan
+from encoders.errors import MotionSeekError, QueryError
+from encoders.motion import Motion
+from indexer import load_motion
+
+
+@dataclass(frozen=True)
+class CaptionedTake:
+    """A take with all that was said about it.
+
+    Attributes
+    ----------
+    path : Path
+    trial : performance; the same in every rig it was recorded in
+    motion : Motion at 20 fps
+    description : its owner's few words
+    spans : what people wrote, with times
+    """
+
+    path: Path
+    trial: str
+    motion: Motion
+    description: str
+    spans: tuple[CaptionedSpan, ...]
+
+
+def captioned_takes(folder: Path, captions: Path, split: str) -> Iterator[CaptionedTake]:
+    """Takes of one split of a folder with a `manifest.tsv`, with the captions of `captions` (JSON lines) for the split.
+
+    The manifest has the columns path, trial, split, use, fps_in_file, fps_true, seconds and description; a caption
+    line has trial, start_frame and end_frame at `fps` (-1: the end), captions and split. Only rows whose split and
+    use are `split` are read, so what is for evaluation only never comes through. Unreadable takes are left out.
+
+    Raises
+    ------
+    QueryError
+        If the manifest or the captions cannot be read.
+    """
+    try:
+        with (folder / "manifest.tsv").open(encoding="utf-8", newline="") as table:
+            rows = [r for r in csv.DictReader(table, delimiter="\t") if r["split"] == split and r["use"] == split]
+        lines = [json.loads(line) for line in captions.read_text(encoding="utf-8").splitlines() if line.strip()]
+    except (OSError, KeyError, ValueError) as error:
+        raise QueryError(f"{folder}: no captioned takes ({error})") from error
+    said: dict[str, list[CaptionedSpan]] = {}
+    for line in lines:
+        if line["split"] == split:
+            end = float("inf") if line["end_frame"] < 0 else line["end_frame"] / line["fps"]
+            span = CaptionedSpan(tuple(line["captions"]), line["start_frame"] / line["fps"], end)
+            said.setdefault(line["trial"], []).append(span)
+    for row in rows:
+        rate = row["fps_true"] or row["fps_in_file"]
+        path = folder / row["path"]
+        try:
+            motion = load_motion(path, fps=float(rate) if rate else None)
+        except MotionSeekError:
+            continue
+        spans = tuple(s for s in said.get(row["trial"], ()) if s.start < motion.duration - 0.5)
+        if row["kind"] != "take":
+            spans = ()
+        yield CaptionedTake(path, row["trial"], motion, row["description"], spans)

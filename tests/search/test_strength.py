@@ -1,0 +1,60 @@
+"""Strength: calibrated per query, and honest about nothing."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from search import strength
+
+
+def _unit(rows: np.ndarray) -> np.ndarray:
+    return rows / np.linalg.norm(rows, axis=-1, keepdims=True)
+
+
+@pytest.fixture
+def bundle() -> Any:
+    background = _unit(np.random.default_rng(0).normal(size=(500, 64))).astype(np.float16)
+    return SimpleNamespace(
+        calibration={"motions": background, "sentence_coefficients": np.array([-4.0, 2.0, 1.0])},
+    )
+
+
+def test_a_hit_far_above_the_background_is_strong_and_one_inside_it_is_weak(bundle: Any) -> None:
+    query = _unit(np.ones(64))
+    assert strength.judge(bundle, query, [0.9, 0.05]) == ["strong", "weak"]
+
+
+def test_a_query_near_everything_needs_a_higher_score(bundle: Any) -> None:
+    near_everything = _unit(bundle.calibration["motions"].astype(np.float64).mean(axis=0))
+    away = _unit(np.ones(64))
+    score = 0.25
+    near, far = (strength.evidence(q, [score], bundle.calibration["motions"])[0, 1] for q in (near_everything, away))
+    assert near < far
+
+
+def test_a_higher_score_is_never_weaker(bundle: Any) -> None:
+    order = {"weak": 0, "plausible": 1, "strong": 2}
+    judged = [order[s] for s in strength.judge(bundle, _unit(np.ones(64)), np.linspace(-1, 1, 41))]
+    assert judged == sorted(judged)
+
+
+def test_without_calibration_nothing_is_claimed() -> None:
+    assert strength.judge(SimpleNamespace(calibration=None), np.ones(4), [0.5]) == [""]  # type: ignore[arg-type]
+
+
+def test_the_fit_recovers_a_known_curve() -> None:
+    rng = np.random.default_rng(1)
+    x = rng.normal(size=(20_000, 2))
+    truth = np.array([-0.5, 1.5, 0.7])
+    right = rng.random(len(x)) < strength.chance(x, truth)
+    assert strength.fit(x, right, penalty=0) == pytest.approx(truth, abs=0.1)
+
+
+def test_all_weak_means_nothing_matches() -> None:
+    assert strength.nothing_matches(["weak", "weak"])
+    assert not strength.nothing_matches(["plausible", "weak"])
+    assert not strength.nothing_matches([])
