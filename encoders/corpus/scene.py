@@ -1,0 +1,86 @@
+"""What a made clip shows: steps, the scene they form, and the clip with its truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.motion import FPS
+
+
+@dataclass(frozen=True)
+class Step:
+    """One action with its particulars; an empty field says nothing about it.
+
+    Attributes
+    ----------
+    action : str
+        Name of an action program.
+    side : str
+        "left", "right" or "both": the hand, arm, foot or leg that acts.
+    direction : str
+        "forward", "backward", "left", "right", "forward-left", "forward-right", "backward-left", "backward-right",
+        "clockwise", "counterclockwise" (seen from above), "around", "up", "down", "in place", "zigzag",
+        "back and forth".
+    speed : str
+        "slow" or "fast".
+    amplitude : str
+        "small" or "large".
+    count : int
+        How often; 0 says nothing.
+    style : str
+        A name of `encoders.corpus.style.STYLES`.
+    height : str
+        "low", "middle" or "high".
+    """
+
+    action: str
+    side: str = ""
+    direction: str = ""
+    speed: str = ""
+    amplitude: str = ""
+    count: int = 0
+    style: str = ""
+    height: str = ""
+
+    def __str__(self) -> str:
+        particulars = (self.side, self.direction, self.speed, self.amplitude, self.style, self.height)
+        count = f"{self.count} times" if self.count else ""
+        return ", ".join([self.action, *filter(None, (*particulars, count))])
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Steps in sequence; the steps of one inner tuple happen at once."""
+
+    steps: tuple[tuple[Step, ...], ...]
+
+    def __str__(self) -> str:
+        return "; then ".join(" while ".join(map(str, group)) for group in self.steps)
+
+
+@dataclass(frozen=True)
+class Clip:
+    """A made motion and everything known about it.
+
+    Attributes
+    ----------
+    joints : float32 array (T, 22, 3)
+        Metres, Y up.
+    fps : float
+        Frames a second.
+    scene : Scene
+        What is shown.
+    spans : tuple of (float, float)
+        Start and end in seconds of each step group of the scene.
+    captions : tuple of str
+        Sentences that describe the whole clip.
+    """
+
+    joints: NDArray[np.float32]
+    fps: float = FPS
+    scene: Scene = Scene(())
+    spans: tuple[tuple[float, float], ...] = ()
+    captions: tuple[str, ...] = ()
