@@ -53,18 +53,26 @@ class Motion:
         Raises
         ------
         ValueError
-            If the span is empty or begins after the motion ends.
+            If the span is empty or does not touch the motion.
         """
         end = self.duration if end is None else min(end, self.duration)
         first, last = round(max(start, 0.0) * self.fps), round(end * self.fps)
-        if start >= end or first >= len(self.joints):
+        if not start < end or end <= 0 or first >= len(self.joints):
             raise ValueError(f"span {start:g} to {end:g} s lies outside a motion of {self.duration:g} s")
         return Motion(self.joints[first : max(last, first + 1)], self.fps)
 
     def resample(self, fps: float = FPS) -> Motion:
-        """The same movement at another rate: joint positions interpolated linearly on the true time grid."""
+        """The same movement at another rate: joint positions interpolated linearly on the true time grid.
+
+        Raises
+        ------
+        ValueError
+            If the rate is not a positive number.
+        """
         if fps == self.fps:
             return self
+        if not (np.isfinite(fps) and fps > 0):
+            raise ValueError(f"fps={fps} must be positive")
         count = int(np.floor((len(self.joints) - 1) * fps / self.fps + 1e-6)) + 1
         at = np.arange(count) * (self.fps / fps)
         low = np.minimum(at.astype(np.int64), len(self.joints) - 1)
