@@ -17,7 +17,7 @@ def walk(seconds: float = 2.0, fps: float = 20.0) -> Motion:
     """A smooth movement sampled at `fps`: every joint on its own curve."""
     t = np.arange(round(seconds * fps) + 1)[:, None, None] / fps
     phase = np.arange(66).reshape(22, 3)
-    return Motion(np.sin(2 * t + phase) + [0, 1, 0], fps)
+    return Motion(np.sin(2 * t + phase), fps)
 
 
 def test_the_input_is_copied_and_the_joints_are_read_only():
