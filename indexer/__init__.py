@@ -1,1 +1,34 @@
 """Files become a library."""
+
+from __future__ import annotations
+
+from os import PathLike
+
+from encoders.motion import Motion
+
+
+def load_motion(
+    path: str | PathLike[str], *, fps: float | None = None, joint_map: dict[str, str] | None = None
+) -> Motion:
+    """Read a motion file of any rig and bring it to the 22 joints at 20 frames a second.
+
+    Parameters
+    ----------
+    path : path
+        A file of one of the kinds in `indexer.readers.READABLE`.
+    fps : float, optional
+        The file's true frame rate, where it says none or a wrong one.
+    joint_map : dict, optional
+        Target joint to joint name in the file, over what is found by itself.
+
+    Raises
+    ------
+    UnreadableMotion
+        If the file holds no motion that can be read.
+    UnknownRig
+        If its skeleton cannot be mapped; names what is missing.
+    """
+    from indexer.readers import read_take
+    from indexer.retarget import retarget
+
+    return retarget(read_take(path, fps=fps), path=path, joint_map=joint_map)

@@ -1,0 +1,40 @@
+"""Forward kinematics, all frames at once: a pose is three axes and a position, each (3, T)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Axes = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+
+
+class Pose(NamedTuple):
+    """A joint's frame in the world: columns of its rotation and its position."""
+
+    axes: Axes
+    position: NDArray[np.float64]
+
+    @classmethod
+    def identity(cls, frames: int) -> Pose:
+        """The world itself."""
+        x, y, z = (np.repeat(axis[:, None], frames, axis=1) for axis in np.eye(3))
+        return cls((x, y, z), np.zeros((3, frames)))
+
+    def place(self, local: NDArray[np.float64]) -> NDArray[np.float64]:
+        """World position (3, T) of a point (3,) or (3, T) given in this frame."""
+        return self.position + sum(axis * local[k] for k, axis in enumerate(self.axes))
+
+
+def turn(axes: Axes, axis: int, angle: NDArray[np.float64]) -> Axes:
+    """Frames turned about one of their own axes (0, 1, 2) by `angle` (T,) radians: R <- R @ R_axis(angle).
+
+    Such a turn only mixes the two other columns, which is why the columns are kept apart.
+    """
+    cos, sin = np.cos(angle), np.sin(angle)
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    turned = list(axes)
+    turned[first] = axes[first] * cos + axes[second] * sin
+    turned[second] = axes[second] * cos - axes[first] * sin
+    return turned[0], turned[1], turned[2]

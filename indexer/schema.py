@@ -1,0 +1,192 @@
+"""The tables of `library.sqlite`, as numbered migrations that run when a library is opened for writing."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from sqlite_utils import Database
+
+from encoders.errors import LibraryError
+
+Migration = Callable[[Database], None]
+MIGRATIONS: list[Migration] = []
+
+
+def migration(step: Migration) -> Migration:
+    """Register the next step; a step that has been released is never changed again."""
+    MIGRATIONS.append(step)
+    return step
+
+
+@migration
+def m001_first_tables(db: Database) -> None:
+    """Files and clips, what they look like, what is said of them, and what a model makes of both."""
+    db["settings"].create({"key": str, "value": str}, pk="key")
+    db["models"].create({"id": int, "fingerprint": str, "name": str}, pk="id", not_null={"fingerprint"})
+    db["models"].create_index(["fingerprint"], unique=True)
+    db["roots"].create({"id": int, "path": str}, pk="id", not_null={"path"})
+    db["roots"].create_index(["path"], unique=True)
+
+    # state: indexed, failed or gone. recipe: what besides the content decides how the file is read.
+    db["files"].create(
+        {
+            "id": int,
+            "root_id": int,
+            "path": str,
+            "size": int,
+            "mtime_ns": int,
+            "hash": str,
+            "recipe": str,
+            "state": str,
+            "reason": str,
+        },
+        pk="id",
+        not_null={"root_id", "path", "size", "mtime_ns", "hash", "recipe", "state"},
+        foreign_keys=[("root_id", "roots", "id")],
+    )
+    db.execute("CREATE UNIQUE INDEX files_present ON files(root_id, path) WHERE state != 'gone'")
+    db["files"].create_index(["hash"])
+
+    # generation: the library's generation when the clip's vectors were last written or it came or went.
+    db["clips"].create(
+        {
+            "id": int,
+            "file_id": int,
+            "name": str,
+            "format": str,
+            "rig": str,
+            "fps": float,
+            "frames": int,
+            "duration": float,
+            "added": str,
+            "generation": int,
+        },
+        pk="id",
+        not_null={"file_id", "name", "format", "rig", "fps", "frames", "duration", "added", "generation"},
+        foreign_keys=[("file_id", "files", "id")],
+    )
+    db["clips"].create_index(["file_id"], unique=True)
+    db["clips"].create_index(["generation"])
+    db["clips"].create_index(["name"])
+    db["clips"].enable_fts(["name"], create_triggers=True)
+
+    db["poses"].create(
+        {"clip_id": int, "chunk": int, "data": bytes},
+        pk=("clip_id", "chunk"),
+        not_null={"data"},
+        foreign_keys=[("clip_id", "clips", "id")],
+    )
+    db["embeddings"].create(
+        {"clip_id": int, "model_id": int, "vector": bytes},
+        pk=("clip_id", "model_id"),
+        not_null={"vector"},
+        foreign_keys=[("clip_id", "clips", "id"), ("model_id", "models", "id")],
+    )
+    db["windows"].create(
+        {"clip_id": int, "model_id": int, "length": float, "starts": bytes, "vectors": bytes},
+        pk=("clip_id", "model_id", "length"),
+        not_null={"starts", "vectors"},
+        foreign_keys=[("clip_id", "clips", "id"), ("model_id", "models", "id")],
+    )
+
+    db["texts"].create({"id": int, "text": str}, pk="id", not_null={"text"})
+    db["texts"].create_index(["text"], unique=True)
+    db["texts"].enable_fts(["text"], create_triggers=True)
+    db["text_embeddings"].create(
+        {"text_id": int, "model_id": int, "vector": bytes},
+        pk=("text_id", "model_id"),
+        not_null={"vector"},
+        foreign_keys=[("text_id", "texts", "id"), ("model_id", "models", "id")],
+    )
+    db["side_files"].create(
+        {"id": int, "root_id": int, "path": str, "size": int, "mtime_ns": int, "hash": str},
+        pk="id",
+        not_null={"root_id", "path", "size", "mtime_ns", "hash"},
+        foreign_keys=[("root_id", "roots", "id")],
+    )
+    db["side_files"].create_index(["root_id", "path"], unique=True)
+    # root_id and path say what the side file names; clip_id is filled once that is indexed.
+    # text_id is empty on a row that only states a frame rate.
+    db["captions"].create(
+        {
+            "id": int,
+            "side_file_id": int,
+            "root_id": int,
+            "path": str,
+            "clip_id": int,
+            "text_id": int,
+            "start": float,
+            "end": float,
+            "fps": float,
+        },
+        pk="id",
+        foreign_keys=[
+            ("side_file_id", "side_files", "id"),
+            ("root_id", "roots", "id"),
+            ("clip_id", "clips", "id"),
+            ("text_id", "texts", "id"),
+        ],
+    )
+    for columns in (["clip_id"], ["root_id", "path"], ["side_file_id"], ["text_id"]):
+        db["captions"].create_index(columns)
+
+
+def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
+    """A connection to a library's SQLite file; transactions are begun by hand (`transaction`).
+
+    Raises
+    ------
+    LibraryError
+        If the file is no library of a version that this program knows.
+    """
+    try:
+        connection = _connect(path, "rwc" if writable else "ro")
+        version: int = connection.execute("PRAGMA user_version").fetchone()[0]
+    except sqlite3.Error as error:
+        raise LibraryError(
+            f"{path}: cannot be opened as a library ({error}); if it is damaged, delete its folder and index again"
+        ) from error
+    if version > len(MIGRATIONS):
+        connection.close()
+        raise LibraryError(f"{path}: written by a newer motionseek; update motionseek to open it")
+    return connection
+
+
+def _connect(path: Path, mode: str) -> sqlite3.Connection:
+    uri = path.absolute().as_uri()
+    connection = sqlite3.connect(f"{uri}?mode={mode}", uri=True, timeout=30, isolation_level=None)
+    if mode == "ro":
+        try:
+            connection.execute("PRAGMA user_version")
+        except sqlite3.OperationalError:
+            # Where nobody can write, WAL's shared memory cannot be made; then nothing changes either.
+            connection.close()
+            connection = sqlite3.connect(f"{uri}?immutable=1", uri=True, isolation_level=None)
+    return connection
+
+
+def migrate(connection: sqlite3.Connection) -> None:
+    """Bring the tables up to date: each missing step in a transaction of its own."""
+    connection.execute("PRAGMA journal_mode=WAL")
+    connection.execute("PRAGMA synchronous=FULL")
+    connection.execute("PRAGMA foreign_keys=ON")
+    version: int = connection.execute("PRAGMA user_version").fetchone()[0]
+    for number, step in enumerate(MIGRATIONS[version:], start=version + 1):
+        with transaction(connection):
+            step(Database(connection))
+            connection.execute(f"PRAGMA user_version={number}")
+
+
+@contextmanager
+def transaction(connection: sqlite3.Connection) -> Iterator[None]:
+    """All or nothing."""
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        yield
+    except BaseException:
+        connection.execute("ROLLBACK")
+        raise
+    connection.execute("COMMIT")
