@@ -10,7 +10,7 @@ compute features once for a take and slice them.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX
@@ -28,6 +28,7 @@ POINTS = (
 )  # fmt: skip
 #: Points that can bear weight on the ground, in the order of the contact features.
 SOLES = ("left_ankle", "right_ankle", "left_foot", "right_foot")
+_SOLES = [POINTS.index(name) for name in SOLES]
 
 
 def _lay_out(**sizes: int) -> dict[str, slice]:
@@ -54,11 +55,20 @@ def _both(name: str) -> float:
     return float(BONE_LENGTHS[INDEX[f"left_{name}"]] + BONE_LENGTHS[INDEX[f"right_{name}"]]) / 2
 
 
-# Metres. The lines that the target skeleton does not state are those of an average adult with such legs.
-_THIGH, _SHANK, _FOOT = _both("knee"), _both("ankle"), _both("foot")
-_UPPER_ARM, _FOREARM = _both("elbow"), _both("wrist")
+#: Limbs of the canonical body from the trunk outwards, each for the left and the right: starts, ends and length.
+_LIMBS = (("shoulder", "elbow"), ("elbow", "wrist"), ("hip", "knee"), ("knee", "ankle"), ("ankle", "foot"))
+_STARTS, _ENDS = (
+    np.array([INDEX[f"{side}_{limb[end]}"] for limb in _LIMBS for side in ("left", "right")]) for end in (0, 1)
+)
+_LENGTHS = BONE_LENGTHS[_ENDS].reshape(-1, 2).mean(-1).repeat(2)[:, None]
+_TRUNK_JOINTS = [INDEX[n] for n in ("left_hip", "right_hip", "left_shoulder", "right_shoulder", "head")]
+_LEG = slice(4, 8)  # thighs and shanks among the limbs
+
+# Metres; what the target skeleton does not state is an average adult's with such legs.
 _HIP, _SHOULDER, _TRUNK, _HEAD = 0.1, 0.18, 0.48, 0.2
-_SOLE_HEIGHTS = np.array([0.08, 0.08, 0.0, 0.0], np.float32)
+_SIDES = np.array([[1], [-1]], np.float32)
+_LOOKING_AHEAD = np.array([0, 0.98, 0.2], np.float32)
+_SOLE_HEIGHTS = np.array([0.08, 0.08, 0, 0], np.float32)
 
 _FLOOR_PERCENTILE = 5.0
 _HEADING_KERNEL = np.array([1, 3, 6, 7, 6, 3, 1], np.float32) / 27
@@ -66,10 +76,14 @@ _CONTACT_SPEED, _CONTACT_HEIGHT = 0.4, 0.1
 _FARTHEST = 1e6  # metres: keeps squares of absurd but finite input within float32
 
 
+def _length(vectors: Array) -> Array:
+    length: Array = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
+    return length
+
+
 def _unit(vectors: Array) -> Array:
     """Vectors of length one; (near) zero vectors become zero."""
-    length = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))[..., None]
-    return vectors / np.maximum(length, 1e-6)
+    return vectors / np.maximum(_length(vectors), np.float32(1e-6))[..., None]
 
 
 def _rate(values: Array, fps: float) -> Array:
@@ -93,15 +107,23 @@ def _smooth(values: Array) -> Array:
     return smooth
 
 
-def _scale(joint: dict[str, Array]) -> Array:
+def _scale(limbs: Array) -> Array:
     """Target leg length over this body's own, the median over frames; 1 where the body has no legs."""
-    bones = [
-        np.linalg.norm(joint[f"{side}_{end}"] - joint[f"{side}_{start}"], axis=-1)
-        for side in ("left", "right")
-        for start, end in (("hip", "knee"), ("knee", "ankle"))
-    ]
-    legs = np.median(sum(bones), axis=0)
-    return np.where(legs > 1e-4, 2 * (_THIGH + _SHANK) / np.maximum(legs, 1e-4), 1).astype(np.float32)
+    legs = np.median(_length(limbs[..., _LEG, :]).sum(-1), axis=0)
+    scale: Array = np.where(legs > 1e-4, _LENGTHS[_LEG].sum() / np.maximum(legs, 1e-4), 1).astype(np.float32)
+    return scale
+
+
+def _head(direction: Array, up: Array, forward: Array) -> Array:
+    """Direction to the head, looking ahead on the whole.
+
+    Rigs disagree by up to 30 degrees on where head joints lie, at rest too, but agree on how heads move: the take's
+    median direction in the chest's frame counts as looking ahead.
+    """
+    chest = np.stack([np.cross(up, forward), up, forward], axis=-2)
+    local = np.einsum("...ij,...j->...i", chest, direction)
+    local += _LOOKING_AHEAD - np.median(local, axis=0)
+    return _unit(np.einsum("...ij,...i->...j", chest, local))
 
 
 def _heading(hips: Array, shoulders: Array, pelvis_forward: Array) -> tuple[Array, Array]:
@@ -111,13 +133,10 @@ def _heading(hips: Array, shoulders: Array, pelvis_forward: Array) -> tuple[Arra
     what the pelvis faces decides; it has less weight, since it opposes them in a handstand.
     """
     across = hips + shoulders
-    forward = np.stack([-across[..., 2], across[..., 0]], -1) + 0.5 * pelvis_forward[..., ::2]
-    forward = _smooth(forward)
-    length = np.sqrt(np.einsum("...i,...i->...", forward, forward))
-    known = length > 1e-5
-    cosine = np.where(known, forward[..., 1], 1) / np.where(known, length, 1)
-    sine = np.where(known, forward[..., 0], 0) / np.where(known, length, 1)
-    return cosine, sine
+    forward = _smooth(np.stack([-across[..., 2], across[..., 0]], -1) + np.float32(0.5) * pelvis_forward[..., ::2])
+    forward = _unit(forward)
+    known = (forward != 0).any(-1)
+    return np.where(known, forward[..., 1], np.float32(1)), forward[..., 0]
 
 
 def _turn(vectors: Array, cosine: Array, sine: Array) -> Array:
@@ -127,7 +146,21 @@ def _turn(vectors: Array, cosine: Array, sine: Array) -> Array:
     return np.stack([cosine * x - sine * z, vectors[..., 1], sine * x + cosine * z], axis=-1)
 
 
-def body_features(joints: NDArray[np.floating], fps: float = SOURCE_FPS) -> Array:
+def _points(up: Array, hips: Array, shoulders: Array, head: Array, limbs: Array) -> Array:
+    """The canonical body's `POINTS` (..., 13, 3) around the middle of its hips."""
+    up = up[..., None, :] * np.float32(_TRUNK)
+    shoulder = up + np.float32(_SHOULDER) * _SIDES * shoulders[..., None, :]
+    elbow = shoulder + limbs[..., 0:2, :]
+    wrist = elbow + limbs[..., 2:4, :]
+    knee = np.float32(_HIP) * _SIDES * hips[..., None, :] + limbs[..., 4:6, :]
+    ankle = knee + limbs[..., 6:8, :]
+    foot = ankle + limbs[..., 8:10, :]
+    return np.concatenate(
+        [up + np.float32(_HEAD) * head[..., None, :], shoulder, elbow, wrist, knee, ankle, foot], axis=-2
+    )
+
+
+def body_features(joints: ArrayLike, fps: float = SOURCE_FPS) -> Array:
     """Features of one motion or of many of equal length.
 
     Parameters
@@ -143,40 +176,26 @@ def body_features(joints: NDArray[np.floating], fps: float = SOURCE_FPS) -> Arra
         Every second frame's features, laid out as `LAYOUT` says. Finite for finite joints.
     """
     joints = np.moveaxis(np.clip(joints, -_FARTHEST, _FARTHEST).astype(np.float32), -3, 0)
-    joint = {name: joints[..., i, :] for name, i in INDEX.items()}
-    sides = ("left", "right")
+    limbs = joints[..., _ENDS, :] - joints[..., _STARTS, :]
+    left_hip, right_hip, left_shoulder, right_shoulder, head = (joints[..., i, :] for i in _TRUNK_JOINTS)
+    middle_hip, middle_shoulder = (left_hip + right_hip) / 2, (left_shoulder + right_shoulder) / 2
 
-    scale = _scale(joint)[..., None]
-    middle_hip = (joint["left_hip"] + joint["right_hip"]) / 2
-    middle_shoulder = (joint["left_shoulder"] + joint["right_shoulder"]) / 2
-    root = middle_hip * scale
-    up = _unit(middle_shoulder - middle_hip)
-    hips = _unit(joint["left_hip"] - joint["right_hip"])
-    shoulders = _unit(joint["left_shoulder"] - joint["right_shoulder"])
+    root = middle_hip * _scale(limbs)[..., None]
+    up, hips, shoulders = (
+        _unit(middle_shoulder - middle_hip),
+        _unit(left_hip - right_hip),
+        _unit(left_shoulder - right_shoulder),
+    )
     pelvis_forward, chest_forward = _unit(np.cross(hips, up)), _unit(np.cross(shoulders, up))
-
-    place: dict[str, Array] = {"head": _TRUNK * up + _HEAD * _unit(joint["head"] - middle_shoulder)}
-    for side, sign in zip(sides, (1, -1), strict=True):
-        place[f"{side}_shoulder"] = _TRUNK * up + sign * _SHOULDER * shoulders
-        place[f"{side}_hip"] = sign * _HIP * hips
-        for start, end, length in (
-            ("shoulder", "elbow", _UPPER_ARM),
-            ("elbow", "wrist", _FOREARM),
-            ("hip", "knee", _THIGH),
-            ("knee", "ankle", _SHANK),
-            ("ankle", "foot", _FOOT),
-        ):
-            direction = _unit(joint[f"{side}_{end}"] - joint[f"{side}_{start}"])
-            place[f"{side}_{end}"] = place[f"{side}_{start}"] + length * direction
-    points = np.stack([place[name] for name in POINTS], axis=-2)
+    head = _head(_unit(head - middle_shoulder), up, chest_forward)
+    points = _points(up, hips, shoulders, head, _unit(limbs) * _LENGTHS)
 
     lowest = np.minimum(points[..., 1].min(-1), 0) + root[..., 1]
     height = root[..., 1] - np.percentile(lowest, _FLOOR_PERCENTILE, axis=0).astype(np.float32)
 
     velocities, root_velocity = _rate(points, fps), _rate(root, fps)
-    soles = [POINTS.index(name) for name in SOLES]
-    speed = np.linalg.norm(velocities[..., soles, :] + root_velocity[..., None, :], axis=-1)
-    above = np.maximum(points[..., soles, 1] + height[..., None] - _SOLE_HEIGHTS, 0)
+    speed = _length(velocities[..., _SOLES, :] + root_velocity[..., None, :])
+    above = np.maximum(points[..., _SOLES, 1] + height[..., None] - _SOLE_HEIGHTS, 0)
     contacts = 1 / (1 + (speed / _CONTACT_SPEED) ** 2 + (above / _CONTACT_HEIGHT) ** 2)
 
     cosine, sine = _heading(hips, shoulders, pelvis_forward)
