@@ -11,9 +11,9 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from os import PathLike
 from functools import lru_cache
 from importlib.resources import files
+from os import PathLike
 from typing import NamedTuple
 
 import numpy as np

@@ -7,7 +7,7 @@ from os import PathLike
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.errors import UnknownRig, UnreadableMotion
+from encoders.errors import UnreadableMotion
 from encoders.motion import FPS, Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX
 from indexer.axes import to_y_up

@@ -6,6 +6,7 @@ import sqlite3
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from secrets import randbits
 
 from sqlite_utils import Database
 
@@ -24,14 +25,21 @@ def migration(step: Migration) -> Migration:
 @migration
 def m001_first_tables(db: Database) -> None:
     """Files and clips, what they look like, what is said of them, and what a model makes of both."""
-    db["settings"].create({"key": str, "value": str}, pk="key")
-    db["models"].create({"id": int, "fingerprint": str, "name": str}, pk="id", not_null={"fingerprint"})
-    db["models"].create_index(["fingerprint"], unique=True)
-    db["roots"].create({"id": int, "path": str}, pk="id", not_null={"path"})
-    db["roots"].create_index(["path"], unique=True)
+    # identity: tells this library's derived files from those of one that lay here before;
+    # generation: grows with every batch; model: whose vectors are searched.
+    db.table("settings").create({"key": str, "value": int}, pk="key")
+    db.table("settings").insert_all([{"key": "identity", "value": randbits(62)}, {"key": "generation", "value": 0}])
+    db.table("models").create(
+        {"id": int, "fingerprint": str, "name": str, "size": int},
+        pk="id",
+        not_null={"fingerprint", "name", "size"},
+    )
+    db.table("models").create_index(["fingerprint"], unique=True)
+    db.table("roots").create({"id": int, "path": str}, pk="id", not_null={"path"})
+    db.table("roots").create_index(["path"], unique=True)
 
     # state: indexed, failed or gone. recipe: what besides the content decides how the file is read.
-    db["files"].create(
+    db.table("files").create(
         {
             "id": int,
             "root_id": int,
@@ -48,10 +56,10 @@ def m001_first_tables(db: Database) -> None:
         foreign_keys=[("root_id", "roots", "id")],
     )
     db.execute("CREATE UNIQUE INDEX files_present ON files(root_id, path) WHERE state != 'gone'")
-    db["files"].create_index(["hash"])
+    db.table("files").create_index(["hash"])
 
     # generation: the library's generation when the clip's vectors were last written or it came or went.
-    db["clips"].create(
+    db.table("clips").create(
         {
             "id": int,
             "file_id": int,
@@ -68,49 +76,49 @@ def m001_first_tables(db: Database) -> None:
         not_null={"file_id", "name", "format", "rig", "fps", "frames", "duration", "added", "generation"},
         foreign_keys=[("file_id", "files", "id")],
     )
-    db["clips"].create_index(["file_id"], unique=True)
-    db["clips"].create_index(["generation"])
-    db["clips"].create_index(["name"])
-    db["clips"].enable_fts(["name"], create_triggers=True)
+    db.table("clips").create_index(["file_id"], unique=True)
+    db.table("clips").create_index(["generation"])
+    db.table("clips").create_index(["name"])
+    db.table("clips").enable_fts(["name"], create_triggers=True)
 
-    db["poses"].create(
+    db.table("poses").create(
         {"clip_id": int, "chunk": int, "data": bytes},
         pk=("clip_id", "chunk"),
         not_null={"data"},
         foreign_keys=[("clip_id", "clips", "id")],
     )
-    db["embeddings"].create(
+    db.table("embeddings").create(
         {"clip_id": int, "model_id": int, "vector": bytes},
         pk=("clip_id", "model_id"),
         not_null={"vector"},
         foreign_keys=[("clip_id", "clips", "id"), ("model_id", "models", "id")],
     )
-    db["windows"].create(
+    db.table("windows").create(
         {"clip_id": int, "model_id": int, "length": float, "starts": bytes, "vectors": bytes},
         pk=("clip_id", "model_id", "length"),
         not_null={"starts", "vectors"},
         foreign_keys=[("clip_id", "clips", "id"), ("model_id", "models", "id")],
     )
 
-    db["texts"].create({"id": int, "text": str}, pk="id", not_null={"text"})
-    db["texts"].create_index(["text"], unique=True)
-    db["texts"].enable_fts(["text"], create_triggers=True)
-    db["text_embeddings"].create(
+    db.table("texts").create({"id": int, "text": str}, pk="id", not_null={"text"})
+    db.table("texts").create_index(["text"], unique=True)
+    db.table("texts").enable_fts(["text"], create_triggers=True)
+    db.table("text_embeddings").create(
         {"text_id": int, "model_id": int, "vector": bytes},
         pk=("text_id", "model_id"),
         not_null={"vector"},
         foreign_keys=[("text_id", "texts", "id"), ("model_id", "models", "id")],
     )
-    db["side_files"].create(
+    db.table("side_files").create(
         {"id": int, "root_id": int, "path": str, "size": int, "mtime_ns": int, "hash": str},
         pk="id",
         not_null={"root_id", "path", "size", "mtime_ns", "hash"},
         foreign_keys=[("root_id", "roots", "id")],
     )
-    db["side_files"].create_index(["root_id", "path"], unique=True)
+    db.table("side_files").create_index(["root_id", "path"], unique=True)
     # root_id and path say what the side file names; clip_id is filled once that is indexed.
     # text_id is empty on a row that only states a frame rate.
-    db["captions"].create(
+    db.table("captions").create(
         {
             "id": int,
             "side_file_id": int,
@@ -131,7 +139,7 @@ def m001_first_tables(db: Database) -> None:
         ],
     )
     for columns in (["clip_id"], ["root_id", "path"], ["side_file_id"], ["text_id"]):
-        db["captions"].create_index(columns)
+        db.table("captions").create_index(columns)
 
 
 def connect(path: Path, *, writable: bool) -> sqlite3.Connection:

@@ -13,7 +13,7 @@ import tempfile
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,8 +118,11 @@ class _Block:
 
         # One thread a single query: several spend their time waiting for memory and for each other.
         faiss.omp_set_num_threads(1 if len(queries) == 1 else min(len(queries), os.cpu_count() or 1))
-        bits = None if mask is None else np.packbits(mask, bitorder="little")
-        only = None if bits is None else faiss.SearchParameters(sel=faiss.IDSelectorBitmap(bits))
+        only = None
+        if mask is not None:
+            selector, parameters = cast(Any, faiss.IDSelectorBitmap), cast(Any, faiss.SearchParameters)
+            bits = np.packbits(mask, bitorder="little")  # held until the search is done: FAISS only points at it
+            only = parameters(sel=selector(bits))
         scores, rows = self.index.search(queries, k, params=only)
         owners = np.where(rows < 0, -1, self.owners[rows])
         spans = self.spans[rows]
@@ -186,9 +189,10 @@ class FlatVectors:
         found = []
         for block, kept in ((self._main, self._kept), (self._later, None)):
             if block is not None and len(block.owners):
-                mask = kept if allowed is None else _among(block.owners, allowed)
-                if allowed is not None and kept is not None:
-                    mask &= kept
+                mask = kept
+                if allowed is not None:
+                    among = _among(block.owners, allowed)
+                    mask = among if kept is None else among & kept
                 found.append(block.search(queries, k, mask))
         if not found:
             blank = np.zeros((len(queries), k), np.float32)

@@ -31,6 +31,19 @@ class Windows:
     ends: NDArray[np.float32]
     vectors: NDArray[np.float16]
 
+    @staticmethod
+    def of(length: float, duration: float, starts: bytes, vectors: bytes) -> Windows:
+        """From the arrays as they are stored."""
+        begin = np.frombuffer(starts, np.float32)
+        return Windows(
+            length, begin, ends_of(begin, length, duration), np.frombuffer(vectors, np.float16).reshape(len(begin), -1)
+        )
+
+
+def ends_of(starts: NDArray[np.float32], length: float, duration: float) -> NDArray[np.float32]:
+    """Where windows end, in seconds: never after the clip."""
+    return np.asarray(np.minimum(starts + np.float32(length), duration), np.float32)
+
 
 def first_rows(rows: int, size: int) -> NDArray[np.int64]:
     """Where windows of `size` feature rows start in a clip of `rows`; the last one is flush with the end."""
