@@ -280,7 +280,7 @@ class Library:
         last = max(last, first + 1)
         rows = self.connection.execute(
             "SELECT data FROM poses WHERE clip_id = ? AND chunk BETWEEN ? AND ? ORDER BY chunk",
-            (id, first // poses.CHUNK, (last - 1) // poses.CHUNK),
+            (clip.id, first // poses.CHUNK, (last - 1) // poses.CHUNK),
         )
         joints = [poses.unpack(data) for (data,) in rows]
         skipped = first // poses.CHUNK * poses.CHUNK
@@ -293,7 +293,7 @@ class Library:
         rows = self.connection.execute(
             "SELECT texts.text, captions.start, captions.end FROM captions JOIN texts ON texts.id = captions.text_id "
             "WHERE captions.clip_id = ? ORDER BY captions.id",
-            (id,),
+            (int(id),),
         )
         return list(dict.fromkeys(Caption(*row) for row in rows))
 
@@ -344,13 +344,13 @@ class Library:
 
     def windows(self, id: int) -> list[Windows]:
         """The windows of a clip, shortest length first."""
-        duration = self.clip(id).duration
+        clip = self.clip(id)
         rows = self.connection.execute(
             "SELECT length, starts, vectors FROM windows WHERE clip_id = ? AND model_id = "
             "(SELECT value FROM settings WHERE key = 'model') ORDER BY length",
-            (id,),
+            (clip.id,),
         )
-        return [Windows.of(length, duration, starts, vectors) for length, starts, vectors in rows]
+        return [Windows.of(length, clip.duration, starts, vectors) for length, starts, vectors in rows]
 
     def failures(self) -> list[tuple[str, str]]:
         """Files that could not be read, with the reason, as of the last time each was tried."""
