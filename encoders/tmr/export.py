@@ -190,11 +190,11 @@ def truncated(language: LanguageModel) -> LanguageNetwork:
 
 
 def default_config(features: int, token_features: int) -> Config:
-    """The sizes of the default model: about a tenth of published TMR's, four frames a token, no decoder at run time."""
+    """The sizes of the default model: about a quarter of published TMR's, four frames a token."""
     return Config(
-        motion=Tower(features=features, width=192, layers=3, heads=6, feedforward=768, frames_per_token=4),
-        text=Tower(features=token_features, width=192, layers=2, heads=6, feedforward=768),
-        decoder=Tower(features=features, width=192, layers=2, heads=6, feedforward=384, frames_per_token=4),
+        motion=Tower(features=features, layers=3, feedforward=768, frames_per_token=4),
+        text=Tower(features=token_features, layers=2, feedforward=768),
+        decoder=Tower(features=features, width=192, layers=1, feedforward=384, frames_per_token=4),
         latent=256,
     )
 

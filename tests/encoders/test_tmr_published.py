@@ -1,0 +1,228 @@
+"""The networks and losses give the published numbers, from the published files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch")
+pytestmark = pytest.mark.torch
+
+from encoders.errors import BundleError  # noqa: E402
+from encoders.tmr import losses, published  # noqa: E402
+from encoders.tmr.network import TMR, Config, positions, valid_mask  # noqa: E402
+
+CLOSE = {"rtol": 0, "atol": 1e-5}
+
+
+@pytest.fixture(scope="module")
+def network(golden: Path) -> TMR:
+    return published.load_run(golden / "published_run")
+
+
+@pytest.fixture(scope="module")
+def io(golden: Path) -> dict[str, np.ndarray]:
+    with np.load(golden / "published_run_io.npz") as arrays:
+        return dict(arrays)
+
+
+@pytest.fixture(scope="module")
+def loss_inputs(golden: Path) -> dict[str, np.ndarray]:
+    with np.load(golden / "losses_in.npz") as arrays:
+        return dict(arrays)
+
+
+@pytest.fixture(scope="module")
+def expected(golden: Path) -> dict:
+    return json.loads((golden / "losses_out.json").read_text())
+
+
+def tensors(arrays: dict[str, np.ndarray], *names: str) -> list:
+    return [torch.from_numpy(arrays[name]) for name in names]
+
+
+def close(actual, expected) -> None:
+    np.testing.assert_allclose(np.asarray(actual), expected, **CLOSE)
+
+
+@pytest.mark.parametrize("side", ["motion", "text"])
+def test_encoders_give_the_published_gaussians(network, io, side):
+    encoder = getattr(network, f"{side}_encoder")
+    x, mask = tensors(io, f"{side}/x", f"{side}/mask")
+    gaussian = encoder(x, mask)
+    close(gaussian.mu, io[f"{side}/mu"])
+    close(gaussian.logvar, io[f"{side}/logvar"])
+    close(gaussian.mu, io[f"{side}/mu_f64"])
+    close(gaussian.logvar, io[f"{side}/logvar_f64"])
+    close(encoder.mean(x, mask), io[f"{side}/latent_sample_mean"])
+
+
+def test_an_item_alone_gives_what_it_gives_in_a_batch(network, io):
+    for x, length, mu in zip(io["motion/x"], io["motion/length"], io["motion/mu_single"], strict=True):
+        alone = torch.from_numpy(x[None, :length])
+        close(network.motion_encoder.mean(alone, torch.ones(1, length, dtype=torch.bool))[0], mu)
+
+
+def test_lengths_and_masks_say_the_same(io):
+    for side in ("motion", "text"):
+        (lengths,) = tensors(io, f"{side}/length")
+        np.testing.assert_array_equal(valid_mask(lengths, io[f"{side}/x"].shape[1]), io[f"{side}/mask"])
+
+
+def test_the_decoder_gives_the_published_motions(network, io, golden):
+    (mask,) = tensors(io, "motion/mask")
+    for source in ("motion", "text"):
+        (latent,) = tensors(io, f"{source}/mu")
+        close(network.motion_decoder(latent, mask), io[f"decoder/from_{source}_mu"])
+    latent, lengths = tensors(io, "decoder/random_z", "decoder/random_z_lengths")
+    close(network.motion_decoder(latent, valid_mask(lengths, 20)), io["decoder/random_z_out"])
+
+    mean, std = published.load_stats(golden / "published_dataset/stats/humanml3d/guoh3dfeats")
+    decoded = network.motion_decoder(torch.from_numpy(io["motion/mu"][:2]), mask[:2]).numpy()
+    close(decoded * (std + 1e-12) + mean, io["decoder/from_motion_mu_denormalized"])
+
+
+def test_positions_and_similarities_are_the_published_ones(network, io):
+    close(positions(256, 64), io["pe/64"])
+    text, motion = (
+        torch.nn.functional.normalize(
+            getattr(network, f"{side}_encoder").mean(*tensors(io, f"{side}/x", f"{side}/mask"))
+        )
+        for side in ("text", "motion")
+    )
+    close(text @ motion.T, io["sim/text_x_motion"])
+    close((text @ motion.T) / 2 + 0.5, io["score/text_x_motion"])
+
+
+def terms_of(network: TMR, arrays: dict[str, np.ndarray], mode: str) -> dict:
+    motion_x, motion_mask, text_x, text_mask, sentences = tensors(
+        arrays, "motion/x", "motion/mask", "text/x", "text/mask", "sent_emb"
+    )
+    text, motion = network.text_encoder(text_x, text_mask), network.motion_encoder(motion_x, motion_mask)
+    if mode == "sample_mean":
+        text_latent, motion_latent = text.mu, motion.mu
+    else:
+        text_latent = text.sample(torch.from_numpy(arrays["sampled/eps_text"]))
+        motion_latent = motion.sample(torch.from_numpy(arrays["sampled/eps_motion"]))
+    decoded = [network.motion_decoder(latent, motion_mask) for latent in (text_latent, motion_latent)]
+    return {
+        "reconstruction": losses.reconstruction(motion_x, *decoded),
+        "kl": losses.kl_terms(text, motion),
+        "latent": losses.nearness(text_latent, motion_latent),
+        "contrastive": losses.contrastive(text_latent, motion_latent, 0.1, losses.similar_sentences(sentences, 0.8)),
+    }
+
+
+def test_latents_are_drawn_as_published(loss_inputs):
+    for side, letter in (("text", "t"), ("motion", "m")):
+        gaussian = losses.Gaussian(*tensors(loss_inputs, f"dist/{letter}_mu", f"dist/{letter}_logvar"))
+        (noise,) = tensors(loss_inputs, f"sampled/eps_{side}")
+        close(gaussian.mu, loss_inputs[f"sample_mean/{letter}_latents"])
+        close(gaussian.sample(noise), loss_inputs[f"sampled/{letter}_latents"])
+
+
+@pytest.mark.parametrize("mode", ["sample_mean", "sampled"])
+def test_every_loss_and_gradient_is_the_published_one(golden, loss_inputs, expected, mode):
+    network = published.load_run(golden / "published_run").requires_grad_()
+    terms = terms_of(network, loss_inputs, mode)
+    weights, _, _ = published.read_weights(golden / "published_run")
+    loss = losses.total(terms, weights)
+    names = {"recons": "reconstruction", "kl": "kl", "latent": "latent", "contrastive": "contrastive"}
+    for theirs, ours in names.items():
+        close(terms[ours].detach(), expected[mode][theirs])
+    close(loss.detach(), expected[mode]["loss"])
+
+    loss.backward()
+    gradients = {name: parameter.grad for name, parameter in network.named_parameters()}
+    for name, norm in expected[f"{mode}_gradnorms"].items():
+        close(gradients[name].norm(), norm)
+    total = torch.stack([gradient.norm() for gradient in gradients.values()]).norm()
+    close(total, expected[f"{mode}_gradnorm_total"])
+    for key, gradient in loss_inputs.items():
+        if key.startswith(f"grad_{mode}/"):
+            close(gradients[key.split("/")[1]], gradient)
+
+
+def test_the_parts_of_a_loss_are_the_published_ones(network, loss_inputs, expected):
+    text = losses.Gaussian(*tensors(loss_inputs, "dist/t_mu", "dist/t_logvar"))
+    motion = losses.Gaussian(*tensors(loss_inputs, "dist/m_mu", "dist/m_logvar"))
+    standard = losses.Gaussian(torch.zeros_like(text.mu), torch.zeros_like(text.mu))
+    kinds = {"text": text, "motion": motion, "N01": standard}
+    for name, value in expected["kl_terms"].items():
+        p, q = name.removeprefix("kl(").removesuffix(")").split("||")
+        close(losses.kl(kinds[p], kinds[q]), value)
+
+    target, mask = tensors(loss_inputs, "motion/x", "motion/mask")
+    for mode in ("sample_mean", "sampled"):
+        for source, value in expected[f"{mode}_recons_terms"].items():
+            (latent,) = tensors(loss_inputs, f"{mode}/{source[0]}_latents")
+            close(losses.reconstruction(target, network.motion_decoder(latent, mask)), value)
+
+
+def test_infonce_at_every_temperature_and_threshold(loss_inputs, expected):
+    text, motion, sentences = tensors(loss_inputs, "sample_mean/t_latents", "sample_mean/m_latents", "sent_emb")
+    for case in expected["infonce_on_sample_mean_latents"]:
+        filtered = case["sent_emb"] and case["threshold_selfsim"]
+        ignore = losses.similar_sentences(sentences, case["threshold_selfsim"]) if filtered else None
+        close(losses.contrastive(text, motion, case["temperature"], ignore), case["loss"])
+    left_out = losses.similar_sentences(sentences, 0.8).nonzero().tolist()
+    assert left_out == expected["masked_pairs_threshold_0.8"]
+    identical = sentences[:1].expand_as(sentences)
+    close(
+        losses.contrastive(text, motion, 0.1, losses.similar_sentences(identical, 0.8)),
+        expected["infonce_all_texts_identical_0.8"],
+    )
+
+
+def test_a_low_threshold_never_leaves_out_the_pair_itself(loss_inputs):
+    """Where the published code gives NaN."""
+    text, motion, sentences = tensors(loss_inputs, "sample_mean/t_latents", "sample_mean/m_latents", "sent_emb")
+    assert torch.isfinite(losses.contrastive(text, motion, 0.1, losses.similar_sentences(sentences, 0.4)))
+
+
+def test_three_steps_of_adamw_follow_the_published_path(golden, loss_inputs, expected):
+    network = published.load_run(golden / "published_run").requires_grad_()
+    optimiser = torch.optim.AdamW(network.parameters(), lr=1e-4)
+    path = []
+    for _ in range(4):
+        loss = losses.total(terms_of(network, loss_inputs, "sample_mean"), losses.Weights())
+        path.append(loss.item())
+        optimiser.zero_grad()
+        loss.backward()
+        optimiser.step()
+    close(path, expected["adamw_3_steps_total_loss"])
+
+
+def test_the_default_sizes_are_the_published_models_tensors(golden):
+    shapes = json.loads((golden / "published_shapes.json").read_text())["shapes"]
+    network = TMR(Config())
+    for module, tensors_of in shapes.items():
+        ours = {name: list(tensor.shape) for name, tensor in getattr(network, module).state_dict().items()}
+        assert ours == tensors_of
+
+
+def test_a_stored_clip_and_sentence_score_as_published(network, golden):
+    encoded = golden / "published_run/encoded"
+    clip, sentence = (np.load(encoded / f"{name}.npy") for name in ("012314", "a_person_jumps_up_and_then_stops"))
+    cosine = clip @ sentence / np.linalg.norm(clip) / np.linalg.norm(sentence)
+    assert cosine / 2 + 0.5 == pytest.approx(0.489, abs=1e-3)
+
+
+@pytest.mark.parametrize("damage", ["no config", "no weights", "not tensors", "other sizes"])
+def test_a_damaged_run_is_named(golden, tmp_path, damage):
+    run = tmp_path / "run"
+    (run / "last_weights").mkdir(parents=True)
+    config = json.loads((golden / "published_run/config.json").read_text())
+    if damage == "other sizes":
+        config["model"]["motion_encoder"]["ff_size"] = 96
+    if damage != "no config":
+        (run / "config.json").write_text(json.dumps(config))
+    if damage != "no weights":
+        for name in published.MODULES:
+            weights = (golden / f"published_run/last_weights/{name}.pt").read_bytes()
+            (run / f"last_weights/{name}.pt").write_bytes(b"no pickle" if damage == "not tensors" else weights)
+    with pytest.raises(BundleError, match=str(run)):
+        published.load_run(run)
