@@ -13,7 +13,7 @@ from encoders.motion import FPS
 from encoders.skeleton import JOINTS, PARENTS
 from indexer.readers.take import Take
 
-DESCRIPTION = "NumPy array of joints (T, 22|24|52, 3) in SMPL order, or of 263 features (T, 263); 20 frames a second unless told otherwise"
+DESCRIPTION = "joints (T, 22|24|52, 3) in SMPL order, or features (T, 263); 20 fps unless told otherwise"
 FEATURES = 263
 SHAPES = "(T, 22, 3), (T, 24, 3), (T, 52, 3) or (T, 263)"
 
