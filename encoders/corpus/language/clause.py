@@ -1,0 +1,174 @@
+"""One step in words: a verb phrase with its modifiers, in any verb form."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+
+from encoders.corpus.language.choice import Chance, pick, pick_early
+from encoders.corpus.language.lexicon import LIMBS, Phrase, entry_of, modifier, phrases_for
+from encoders.corpus.language.subjects import Subject
+from encoders.corpus.language.words import indefinite, inflect, number_word, times
+from encoders.corpus.scene import Step
+
+SAID = 0.85  # share of the set fields that a caption names
+_SLOT = re.compile(r"\{(\w+)!?(?::([^}]+))?\}")
+_PLURALS = {"foot": "feet", "palm": "palms", "fingers": "fingers"}
+_SIDE_PHRASES = (
+    "with {p} {side} {limb}",
+    "with the {side} {limb}",
+    "using {p} {side} {limb}",
+    "using the {side} {limb}",
+)
+_BOTH_PHRASES = ("with both {limbs}", "using both {limbs}", "with both of {p} {limbs}")
+_WAYS = ("to the {side}", "{side}", "to {p} {side}", "towards the {side}", "to the {side} side")
+_EARLY = ("speed", "style")  # fields whose adverb may stand before the verb
+
+
+@dataclass(frozen=True)
+class Clause:
+    """A verb phrase with its slots filled, ready for any verb form.
+
+    Attributes
+    ----------
+    text : str
+        Base form, verbs marked with "~".
+    adverb : str
+        Stands before the first verb; may be empty.
+    tail : str
+        Modifiers behind it; may be empty.
+    """
+
+    text: str
+    adverb: str = ""
+    tail: str = ""
+
+    def say(self, form: str) -> str:
+        """In a verb form: "base", "third", "ing", "past", or "is" / "are" / "was" / "were" before a gerund."""
+        helper, form = (form, "ing") if form in ("is", "are", "was", "were") else ("", form)
+        words = [inflect(word[1:], form) if word.startswith("~") else word for word in self.text.split()]
+        if self.adverb:
+            first = next(i for i, word in enumerate(self.text.split()) if word.startswith("~"))
+            words.insert(first, self.adverb)
+        return " ".join(filter(None, (helper, *words, self.tail)))
+
+
+@lru_cache(maxsize=20000)
+def mark_verbs(text: str) -> str:
+    """Mark the first word as a verb unless it is an adverb before a marked one: "quickly ~run"."""
+    return text if text.startswith("~") or ("~" in text and text.split()[0].endswith("ly")) else "~" + text
+
+
+def _limb(name: str, side: str, rng: Chance) -> str:
+    plural = _PLURALS.get(name, name + "s")
+    if side == "both":
+        return pick(rng, (f"both {plural}", f"{{p}} {plural}", f"both {{p}} {plural}", f"both {plural}"))
+    if side:
+        return pick(rng, (f"{{p}} {side} {name}", f"{{p}} {side} {name}", f"the {side} {name}"))
+    return pick(rng, (f"{indefinite(name)}", f"one {name}", f"{{p}} {name}", f"{{p}} {name}"))
+
+
+def _counted(noun: str, count: int, rng: Chance) -> str:
+    if count == 1:
+        return pick(rng, (indefinite(noun), f"one {noun}", f"a single {noun}"))
+    plural = noun + ("es" if noun.endswith(("ch", "sh", "s", "x")) else "s")
+    if count:
+        return f"{number_word(count) if rng.random() < 0.75 else count} {plural}"
+    return pick(rng, (f"a few {plural}", f"some {plural}", f"several {plural}"))
+
+
+def fill(text: str, step: Step, subject: Subject, rng: Chance) -> str:
+    """`text` with every slot filled from the step and the subject."""
+
+    def value(match: re.Match[str]) -> str:
+        name, noun = match[1], match[2]
+        if name in LIMBS:
+            return _limb(name, step.side, rng)
+        if name == "n":
+            return _counted(noun, step.count, rng) if noun else number_word(step.count)
+        if name == "dir":
+            ways = modifier(step.action, "direction", step.direction).get("after", [""])
+            return pick_early(rng, ways)
+        return {
+            "side": step.side,
+            "other": "left" if step.side == "right" else "right",
+        }.get(name, match[0])
+
+    def agree(match: re.Match[str]) -> str:
+        return {
+            "p": subject.possessive,
+            "self": subject.reflexive,
+            "they": subject.pronoun,
+            "they_are": f"{subject.pronoun} {subject.be()}",
+            "they_were": f"{subject.pronoun} {subject.be(past=True)}",
+            "they_have": f"{subject.pronoun} {subject.have}",
+        }[match[1]]
+
+    while "{" in text:
+        filled = _SLOT.sub(value, text)
+        text = _SLOT.sub(agree, filled) if filled == text else filled
+    return " ".join(text.split())
+
+
+def _side_words(step: Step, limb: str, rng: Chance) -> str:
+    if limb == "way":
+        return pick_early(rng, _WAYS).replace("{side}", step.side)
+    plural = _PLURALS.get(limb, limb + "s")
+    if step.side == "both":
+        return pick_early(rng, _BOTH_PHRASES).replace("{limbs}", plural)
+    return pick_early(rng, _SIDE_PHRASES).replace("{side}", step.side).replace("{limb}", limb)
+
+
+def _particulars(step: Step, unsaid: set[str], limb: str, rng: Chance) -> tuple[str, list[str]]:
+    """Words for the fields that are set and not yet said: an adverb before the verb, and what follows it."""
+    adverb, after = "", []
+    if "direction" in unsaid:
+        after.append(pick_early(rng, modifier(step.action, "direction", step.direction).get("after", [""])))
+    if "side" in unsaid and (limb != "way" or step.side != "both"):
+        after.append(_side_words(step, limb, rng))
+    for field in ("height", "amplitude", "speed", "style"):
+        if field not in unsaid:
+            continue
+        ways = modifier(step.action, field, getattr(step, field))
+        adverbs, tails = ways.get("adverb", []), ways.get("after", [])
+        if not adverb and adverbs and field != "height" and rng.random() < 0.4:
+            adverb = pick_early(rng, adverbs)
+        elif options := [*adverbs, *tails]:
+            after.append(pick_early(rng, options))
+    if "count" in unsaid:
+        count = _counted("step", step.count, rng) if limb == "way" else pick_early(rng, times(step.count))
+        after.insert(min(len(after), 1 if rng.random() < 0.5 else 9), count)
+    return adverb, after
+
+
+def choose_phrase(step: Step, kind: str, rng: Chance) -> Phrase | None:
+    """A phrase of a kind that holds for the step; special cases and common words more often."""
+    groups = phrases_for(step, kind)
+    if not groups:
+        return None
+    sizes = [len(group) for group in groups]
+    # a special case counts as much as the general list even if it is short
+    special = len(groups) > 1 and rng.random() < 0.5
+    chosen = pick(rng, groups[:-1]) if special else groups[int(rng.random() * len(groups)) if min(sizes) > 8 else -1]
+    return pick_early(rng, chosen)
+
+
+def make_clause(step: Step, subject: Subject, rng: Chance, *, without: frozenset[str] = frozenset()) -> Clause:
+    """The step as a verb phrase; fields in `without` are said elsewhere."""
+    phrase = choose_phrase(step, "verbs", rng)
+    if phrase is None:
+        raise KeyError(f"no verbs for {step}")
+    entry = entry_of(step.action)
+    assert entry is not None
+    unsaid = {
+        field
+        for field in ("side", "direction", "speed", "amplitude", "count", "style", "height")
+        if getattr(step, field) and field not in phrase.says | without | entry.unsaid and rng.random() < SAID
+    }
+    adverb, after = _particulars(step, unsaid, entry.limb, rng)
+    return Clause(
+        text=fill(mark_verbs(phrase.text), step, subject, rng),
+        adverb=fill(adverb, step, subject, rng),
+        tail=fill(" ".join(after), step, subject, rng),
+    )

@@ -1,0 +1,91 @@
+"""Random scenes of the kind that people describe: what they do, in what order, what at once."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+
+from numpy.random import Generator
+
+from encoders.corpus.language.lexicon import FOLDER, entry_of
+from encoders.corpus.programs import Program, programs, sample_step
+from encoders.corpus.scene import Scene, Step
+
+_LENGTHS = (0.5, 0.28, 0.15, 0.07)  # share of scenes with 1, 2, 3 and 4 steps in sequence
+_AT_ONCE = 0.22  # share of groups with a second action, where one fits
+_CARRIERS = ("locomotion", "posture")  # what a gesture may accompany
+_FLATTEN = 0.5  # exponent on how often people mention an action: 0 all alike, 1 as in their sentences
+
+
+@cache
+def mentions() -> dict[str, float]:
+    """How often people mention each action, per thousand actions named in the sentences of HumanML3D."""
+    path = FOLDER / "mentions.json"
+    counted: dict[str, float] = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    return counted
+
+
+def _weight(action: Program) -> float:
+    return action.weight * float((1.0 + mentions().get(action.name, 0.0)) ** _FLATTEN)
+
+
+@cache
+def _drawable() -> tuple[tuple[Program, float], ...]:
+    """The programs that have words, with their weights."""
+    return tuple((action, _weight(action)) for name, action in programs().items() if entry_of(name) is not None)
+
+
+def _draw(rng: Generator, options: list[tuple[Program, float]]) -> Program:
+    sums, total = [], 0.0
+    for _, weight in options:
+        total += weight
+        sums.append(total)
+    target = rng.random() * total
+    return next((option for (option, _), limit in zip(options, sums, strict=True) if target < limit), options[-1][0])
+
+
+def _companion(base: Program, rng: Generator) -> Program | None:
+    """A gesture that leaves free every part that `base` needs."""
+    fitting = [
+        (action, weight)
+        for action, weight in _drawable()
+        if action.group not in _CARRIERS and not action.parts & base.parts and action.starts == action.ends == "stand"
+    ]
+    return _draw(rng, fitting) if fitting else None
+
+
+def random_scene(rng: Generator) -> Scene:
+    """One to four steps in sequence, some with a gesture at the same time; every field is legal for its program.
+
+    Actions are drawn as often as people mention them, flattened so that rare ones appear, and follow each other only
+    where the one begins in the posture in which the other ends. Style and speed of a gesture that accompanies another
+    action are left open.
+    """
+    length = int(rng.choice(len(_LENGTHS), p=_LENGTHS)) + 1
+    detail = float(rng.choice([0.35, 0.6, 0.9]))
+    groups: list[tuple[Step, ...]] = []
+    posture, style, previous = "", "", ""
+    for _ in range(length):
+        fitting = [
+            (action, weight)
+            for action, weight in _drawable()
+            if action.name != previous and (not posture or action.starts == posture)
+        ]
+        if not fitting:
+            break
+        action = _draw(rng, fitting)
+        step = sample_step(action, rng, detail=detail)
+        if groups:  # one performer, one style
+            step = replace(step, style=style if action.styled else "")
+        else:
+            style = step.style if length == 1 or rng.random() < 0.5 else ""
+            step = replace(step, style=style)
+        group: tuple[Step, ...] = (step,)
+        if action.group in _CARRIERS and rng.random() < _AT_ONCE:
+            companion = _companion(action, rng)
+            if companion is not None:
+                group = (step, replace(sample_step(companion, rng, detail=detail), style="", speed=""))
+        groups.append(group)
+        posture, previous = action.ends, action.name
+    return Scene(tuple(groups))

@@ -1,0 +1,232 @@
+"""Captions: a scene in the many ways in which people would describe it.
+
+Every caption is true of its scene; it need not say everything. Kinds: full sentences, verb+ing fragments, short
+labels, clauses about one part of the body, one step out of several.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from encoders.corpus.language.choice import Chance, pick, pick_early, pick_weighted
+from encoders.corpus.language.clause import Clause, choose_phrase, fill, make_clause
+from encoders.corpus.language.lexicon import modifier
+from encoders.corpus.language.sloppy import sloppy
+from encoders.corpus.language.subjects import Subject, draw_subject, nobody, with_adjective
+from encoders.corpus.scene import Scene, Step
+
+Group = tuple[Step, ...]
+_KINDS = ("sentence", "fragment", "label", "part")
+_KIND_WEIGHTS_ONE = (0.62, 0.17, 0.15, 0.06)
+_KIND_WEIGHTS_MANY = (0.78, 0.15, 0.07, 0.0)
+_SEEMS = ("looks like {they_are} [ing]", "appears to be [ing]", "seems to be [ing]", "starts [ing]", "begins to [base]",
+          "starts to [base]", "is seen [ing]", "appears to [base]", "seems to [base]")  # fmt: skip
+_SEEMS_PLURAL = ("look like they are [ing]", "appear to be [ing]", "seem to be [ing]", "start [ing]", "begin to [base]")
+_AT_ONCE = ("while {ing}", "{ing}", "as {they}", "and {same}", "and {same} at the same time", "whilst {ing}")
+_AT_ONCE_WEIGHTS = (0.47, 0.2, 0.1, 0.1, 0.08, 0.05)
+_JOINS = (" then {same}", " and then {same}", ", then {same}", " and {same}", ", and then {same}", ", {same}",
+          " and after that {same}", ", next {same}", " before {ing}", " followed by {ing}", ", finally {ing}",
+          " and finally {same}")  # fmt: skip
+_JOIN_WEIGHTS = (0.3, 0.16, 0.13, 0.14, 0.05, 0.03, 0.02, 0.02, 0.09, 0.02, 0.02, 0.02)
+_PLAIN = 8  # the first joins, which keep the verb form and may stand anywhere
+_LAST_OF_LIST = (", and ", ", then ", " and then ", ", and then ", " and ")
+_LIKE_DOING = ("as if {x}", "as if {they_are} {x}", "like {they_are} {x}", "as though {x}", "as if {they_were} {x}")
+_LIKE_CLAUSE = ("as if {x}", "like {x}", "as though {x}")
+_POSTURES = frozenset({"stand", "idle"})  # what a standing gesture need not mention
+_OPENERS = ("", "", "", "", "", "", "", "", "first ", "at first ")
+
+
+def _verb_form(subject: Subject, tense: str) -> str:
+    """The form in which the verb follows the subject: tense "present", "continuous", "past", "was", "bare"."""
+    if tense == "present":
+        return "base" if subject.plural else "third"
+    if tense == "continuous":
+        return "are" if subject.plural else "is"
+    if tense == "was":
+        return "were" if subject.plural else "was"
+    return {"past": "past", "bare": "ing"}[tense]
+
+
+def _draw_tense(rng: Chance) -> str:
+    return pick_weighted(rng, ("present", "continuous", "past", "was", "bare"), (0.56, 0.26, 0.09, 0.02, 0.07))
+
+
+def _as_if(group: Group, subject: Subject, rng: Chance) -> str:
+    """What the movement resembles, or nothing."""
+    step = pick(rng, group)
+    phrase = choose_phrase(step, "as_if", rng)
+    if phrase is None:
+        return ""
+    doing = phrase.text.split()[0].endswith("ing") and not phrase.text.startswith("something")
+    return fill(pick_early(rng, _LIKE_DOING if doing else _LIKE_CLAUSE).replace("{x}", phrase.text), step, subject, rng)
+
+
+@dataclass(frozen=True)
+class Together:
+    """The clauses of one group and how each further one is joined to the first."""
+
+    subject: Subject
+    clauses: tuple[Clause, ...]
+    joins: tuple[str, ...]
+
+    def say(self, form: str) -> str:
+        """In a verb form of the first clause; see `Clause.say`."""
+        same = "ing" if form in ("is", "are", "was", "were") else form
+        agreeing = "base" if self.subject.pronoun == "they" else "third"
+        words = self.clauses[0].say(form)
+        for join, clause in zip(self.joins, self.clauses[1:], strict=True):
+            words += " " + (
+                join.replace("{ing}", clause.say("ing"))
+                .replace("{same}", clause.say(same))
+                .replace("{they}", f"{self.subject.pronoun} {clause.say(agreeing)}")
+            )
+        return words
+
+
+def _together(group: Group, subject: Subject, rng: Chance, without: frozenset[str] = frozenset()) -> Together:
+    """The steps of one group as one clause; standing is often left unsaid."""
+    shown = [step for step in group if step.action not in _POSTURES] if rng.random() < 0.6 else list(group)
+    shown = shown or list(group)
+    if len(shown) > 1 and rng.random() < 0.5:
+        shown = shown[::-1]
+    return Together(
+        subject,
+        tuple(make_clause(step, subject, rng, without=without) for step in shown),
+        tuple(pick_weighted(rng, _AT_ONCE, _AT_ONCE_WEIGHTS) for _ in shown[1:]),
+    )
+
+
+def _joined(parts: Sequence[Together], forms: Sequence[str], rng: Chance, *, plain: bool = False) -> str:
+    """Clauses in order, joined as people join them; `plain` joins only with then, and, commas."""
+    said = [part.say(form) for part, form in zip(parts, forms, strict=True)]
+    if len(said) > 2 and rng.random() < 0.35:
+        return ", ".join(said[:-1]) + pick(rng, _LAST_OF_LIST) + said[-1]
+    text = said[0]
+    for i in range(1, len(said)):
+        usable = _PLAIN if plain or i < len(said) - 1 else len(_JOINS)
+        join = pick_weighted(rng, _JOINS[:usable], _JOIN_WEIGHTS[:usable])
+        text += join.replace("{ing}", parts[i].say("ing")).replace("{same}", said[i])
+    return text
+
+
+def _sentence(groups: Sequence[Group], rng: Chance) -> str:
+    subject = draw_subject(rng)
+    without: frozenset[str] = frozenset()
+    styles = {step.style for group in groups for step in group}
+    if len(styles) == 1 and "" not in styles:
+        adjectives = modifier("", "style", next(iter(styles))).get("adjective", [])
+        styled = with_adjective(subject, pick_early(rng, adjectives)) if adjectives and rng.random() < 0.25 else None
+        if styled is not None:
+            subject, without = styled, frozenset({"style"})
+    parts = [_together(group, subject, rng, without) for group in groups]
+    if len(parts) == 1:
+        return _single_sentence(groups[0], parts[0], rng)
+    form = _verb_form(subject, _draw_tense(rng))
+    if len(parts) == 2 and rng.random() < 0.09:
+        if rng.random() < 0.67:
+            return f"after {parts[0].say('ing')}, {subject.text} {parts[1].say(form)}"
+        return f"{subject.text} {parts[1].say(form)} after {parts[0].say('ing')}"
+    later = "ing" if form in ("is", "are", "was", "were") and rng.random() < 0.7 else form
+    return f"{pick(rng, _OPENERS)}{subject.text} {_joined(parts, [form] + [later] * (len(parts) - 1), rng)}"
+
+
+def _single_sentence(group: Group, words: Together, rng: Chance) -> str:
+    """One group: plainly, as something that seems to be so, or with what it resembles."""
+    subject = words.subject
+    ending = _as_if(group, subject, rng) if rng.random() < 0.12 else ""
+    if rng.random() < 0.06:
+        seems = pick(rng, _SEEMS_PLURAL if subject.plural else _SEEMS)
+        said = fill(seems, group[0], subject, rng)
+        said = said.replace("[ing]", words.say("ing")).replace("[base]", words.say("base"))
+    else:
+        said = words.say(_verb_form(subject, _draw_tense(rng)))
+    return " ".join(filter(None, (subject.text, said, ending)))
+
+
+def _fragment(groups: Sequence[Group], rng: Chance) -> str:
+    subject = nobody(rng)
+    parts = [_together(group, subject, rng) for group in groups]
+    text = _joined(parts, ["ing"] * len(parts), rng)
+    if len(groups) == 1 and rng.random() < 0.1:
+        text = " ".join(filter(None, (text, _as_if(groups[0], subject, rng))))
+    return text
+
+
+def _label(groups: Sequence[Group], rng: Chance) -> str:
+    subject = nobody(rng)
+    if len(groups) == 1 and len(groups[0]) == 1 and rng.random() < 0.45:
+        step = groups[0][0]
+        noun = choose_phrase(step, "nouns", rng)
+        if noun is not None:
+            return fill(noun.text, step, subject, rng)
+    parts = [_together(group, subject, rng) for group in groups]
+    text = _joined(parts, ["base"] * len(parts), rng, plain=True)
+    for possessive in (" their ", " his ", " her ", " the "):
+        text = text.replace(possessive, " ") if rng.random() < 0.5 else text
+    return text
+
+
+def _part(groups: Sequence[Group], rng: Chance) -> str:
+    """A clause about one part of the body, or a fragment where the action has none."""
+    step = pick(rng, groups[0])
+    phrase = choose_phrase(step, "parts", rng)
+    if phrase is None:
+        return _fragment(((step,),), rng)
+    return fill(phrase.text, step, nobody(rng), rng)
+
+
+def _shown(scene: Scene, rng: Chance) -> Sequence[Group]:
+    """The groups a caption speaks of: nearly always all, in a long scene at times only some, in their order."""
+    groups = scene.steps
+    if len(groups) >= 3 and rng.random() < 0.12:
+        skipped = int(rng.random() * len(groups))
+        groups = tuple(group for i, group in enumerate(groups) if i != skipped)
+    elif len(groups) > 1 and rng.random() < 0.03:
+        groups = (pick(rng, groups),)
+    if len(groups) > 1 and rng.random() < 0.7:
+        kept = tuple(group for group in groups if any(step.action not in _POSTURES for step in group))
+        groups = kept or groups
+    if any(len(group) > 1 for group in groups) and rng.random() < 0.08:
+        groups = tuple((pick(rng, group),) for group in groups)
+    return groups
+
+
+def caption(scene: Scene, rng: Chance) -> str:
+    """One caption of `scene`."""
+    groups = _shown(scene, rng)
+    weights = _KIND_WEIGHTS_ONE if len(groups) == 1 else _KIND_WEIGHTS_MANY
+    kind = pick_weighted(rng, _KINDS, weights)
+    write = {"sentence": _sentence, "fragment": _fragment, "label": _label, "part": _part}[kind]
+    return sloppy(write(groups, rng), rng)
+
+
+def captions(scene: Scene, rng: Chance, n: int, held_out: Callable[[str], bool] | None = None) -> list[str]:
+    """`n` captions of `scene`, different from each other where the scene allows it.
+
+    Parameters
+    ----------
+    scene : Scene
+        Every action must have an entry in the phrases.
+    rng : numpy.random.Generator or random.Random
+        Source of chance.
+    n : int
+        How many.
+    held_out : callable, optional
+        Sentences for which it is true are never returned.
+
+    Raises
+    ------
+    KeyError
+        For an action without phrases.
+    """
+    found: list[str] = []
+    for attempt in range(20 * n):
+        text = caption(scene, rng)
+        if held_out is not None and held_out(text):
+            continue
+        if text not in found or attempt > 8 * n:
+            found.append(text)
+        if len(found) == n:
+            break
+    return found

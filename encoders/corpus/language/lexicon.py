@@ -1,0 +1,181 @@
+"""The phrases by which people call each action, read from the plain data files in `phrases/`.
+
+An action's entry holds `verbs` (verb phrases in base form), `nouns` (labels), `parts` (whole clauses about one part
+of the body), `as_if` (what the movement resembles, as a gerund) and `cases`: more of the same for steps whose fields
+have the values under `when`. A case with one value for a field says that field; with several it only permits them
+("" is "not set"). `limb` is what a side is a side of: "hand", "arm", "foot", "leg", or "way" for a heading.
+`unsaid` lists fields that are never put into words for the action; `modifiers` replaces or adds ways to say a field.
+
+Slots in a phrase, filled from the step:
+
+    {hand} {arm} {fist} {elbow} {shoulder} {foot} {leg} {knee} {hip}   with their side
+    {side} {other}        the side and its opposite: only for steps with a side
+    {dir}                 the direction, nothing if there is none
+    {n}                   the count in words: only for steps with a count of two or more
+    {n:step}              "a step", "three steps", or "a few steps" where the step has no count
+    {p} {self} {they} {they_are} {they_have} {they_were}     agreeing with the subject
+
+The first word is the verb; where it is not, or there are several, each verb is marked "~": "reach out and ~shake hands"
+marks every further one.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Any
+
+from encoders.corpus.scene import Step
+
+FOLDER = Path(__file__).parent / "phrases"
+LIMBS = ("hand", "arm", "fist", "elbow", "shoulder", "foot", "leg", "knee", "hip", "heel", "wrist", "palm", "fingers")
+_SLOT = re.compile(r"\{(\w+)(?::([^}]+))?\}")
+_FIELDS = ("side", "direction", "speed", "amplitude", "count", "style", "height")
+
+
+@dataclass(frozen=True)
+class Phrase:
+    """One way to name an action.
+
+    Attributes
+    ----------
+    text : str
+        With slots and marked verbs.
+    says : frozenset of str
+        The fields of the step that it names; others need words of their own.
+    """
+
+    text: str
+    says: frozenset[str]
+
+    @property
+    def slots(self) -> frozenset[str]:
+        return frozenset(match[1] for match in _SLOT.finditer(self.text))
+
+    def fits(self, step: Step) -> bool:
+        """Whether the fields that the slots need are set."""
+        slots = self.slots
+        if slots & {"side", "other"} and step.side not in ("left", "right"):
+            return False
+        if "n" in slots and step.count < 2 and "{n}" in self.text:
+            return False
+        return not ("{dir!}" in self.text and not step.direction)
+
+
+@dataclass(frozen=True)
+class Case:
+    """Phrases for steps whose fields have the values of `when`."""
+
+    when: tuple[tuple[str, tuple[str, ...]], ...]
+    phrases: Mapping[str, tuple[Phrase, ...]]
+
+    def fits(self, step: Step) -> bool:
+        return all(str(getattr(step, name) or "") in values for name, values in self.when)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """All phrases of one action."""
+
+    action: str
+    limb: str
+    unsaid: frozenset[str]
+    modifiers: Mapping[str, Any]
+    cases: tuple[Case, ...]
+
+    def phrases(self, kind: str) -> list[Phrase]:
+        """Every phrase of a kind ("verbs", "nouns", "parts", "as_if"), whatever the step."""
+        return [phrase for case in self.cases for phrase in case.phrases[kind]]
+
+
+def _said_by_slots(text: str) -> set[str]:
+    slots = {match[1] for match in _SLOT.finditer(text)}
+    said = set()
+    if slots & {*LIMBS, "side", "other"}:
+        said.add("side")
+    if "dir" in slots:
+        said.add("direction")
+    if "n" in slots:
+        said.add("count")
+    return said
+
+
+def _case(when: Mapping[str, Any], body: Mapping[str, Any]) -> Case:
+    values = {name: tuple(v) if isinstance(v, list) else (str(v),) for name, v in when.items()}
+    unknown = set(values) - set(_FIELDS)
+    if unknown:
+        raise ValueError(f"phrases: no field {sorted(unknown)} in a step")
+    said = {name for name, v in values.items() if len(v) == 1 and v[0]} | set(body.get("says", ()))
+    return Case(
+        when=tuple(values.items()),
+        phrases={
+            kind: tuple(Phrase(text, frozenset(said | _said_by_slots(text))) for text in body.get(kind, ()))
+            for kind in ("verbs", "nouns", "parts", "as_if")
+        },
+    )
+
+
+@cache
+def entries() -> Mapping[str, Entry]:
+    """Action name -> its entry, from every file of actions."""
+    found: dict[str, Entry] = {}
+    for path in sorted(FOLDER.glob("actions_*.json")):
+        for action, body in json.loads(path.read_text(encoding="utf-8")).items():
+            if action in found:
+                raise ValueError(f"phrases: {action} is described twice, again in {path.name}")
+            found[action] = Entry(
+                action=action,
+                limb=body.get("limb", "hand"),
+                unsaid=frozenset(body.get("unsaid", ())),
+                modifiers=body.get("modifiers", {}),
+                cases=(_case({}, body), *(_case(case["when"], case) for case in body.get("cases", ()))),
+            )
+    return found
+
+
+def entry_of(action: str) -> Entry | None:
+    """The entry of an action, whether its name is written with spaces, hyphens or underscores; None without one."""
+    return entries().get(action.replace(" ", "_").replace("-", "_"))
+
+
+@cache
+def modifiers() -> Mapping[str, Mapping[str, Mapping[str, list[str]]]]:
+    """Field -> value -> place ("adverb", "after", "adjective") -> ways to say it."""
+    loaded: dict[str, dict[str, dict[str, list[str]]]] = json.loads(
+        (FOLDER / "modifiers.json").read_text(encoding="utf-8")
+    )
+    return loaded
+
+
+def modifier(action: str, field: str, value: str) -> Mapping[str, list[str]]:
+    """Ways to say that `field` has `value`, the action's own first."""
+    entry = entry_of(action)
+    own: Mapping[str, Mapping[str, list[str]]] = entry.modifiers.get(field, {}) if entry else {}
+    if value in own:
+        return own[value]
+    return modifiers().get(field, {}).get(value, {})
+
+
+@lru_cache(maxsize=20000)
+def phrases_for(step: Step, kind: str) -> tuple[tuple[Phrase, ...], ...]:
+    """The phrases of a kind that hold for `step`, one tuple a case, special cases first.
+
+    Raises
+    ------
+    KeyError
+        For an action without an entry.
+    """
+    entry = entry_of(step.action)
+    if entry is None:
+        raise KeyError(step.action)
+    groups = []
+    for case in reversed(entry.cases):
+        if case.fits(step):
+            fitting = tuple(phrase for phrase in case.phrases[kind] if phrase.fits(step))
+            if fitting:
+                groups.append(fitting)
+    return tuple(groups)
