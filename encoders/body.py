@@ -36,7 +36,9 @@ def _lay_out(**sizes: int) -> dict[str, slice]:
     return {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
 
 
-#: Where each group of numbers lies: metres, metres a second, radians a second, unit vectors, contacts in 0..1.
+#: Where each group of numbers lies: positions of `POINTS` from the middle of the hips and their velocities relative
+#: to it, its height above the floor and its velocity (metres and seconds, the body facing +Z), three unit vectors,
+#: the turn about Y (radians a second, left is positive), how surely each of `SOLES` stands on the floor (0..1).
 LAYOUT = _lay_out(
     positions=3 * len(POINTS),
     velocities=3 * len(POINTS),
@@ -83,17 +85,23 @@ def _length(vectors: Array) -> Array:
 
 def _unit(vectors: Array) -> Array:
     """Vectors of length one; (near) zero vectors become zero."""
-    return vectors / np.maximum(_length(vectors), np.float32(1e-6))[..., None]
+    unit: Array = vectors / np.maximum(_length(vectors), np.float32(1e-6))[..., None]
+    return unit
 
 
-def _rate(values: Array, fps: float) -> Array:
-    """Time derivative along axis 0 by central differences, one-sided at the ends, zero for a single frame."""
+def _cross(a: Array, b: Array) -> Array:
+    product: Array = np.cross(a, b)
+    return product
+
+
+def _rate(values: Array) -> Array:
+    """Change a second along axis 0, by central differences, one-sided at the ends; zero for a single frame."""
     if len(values) == 1:
         return np.zeros_like(values)
     rate = np.empty_like(values)
-    rate[1:-1] = (values[2:] - values[:-2]) * (fps / 2)
-    rate[0] = (values[1] - values[0]) * fps
-    rate[-1] = (values[-1] - values[-2]) * fps
+    rate[1:-1] = (values[2:] - values[:-2]) * (SOURCE_FPS / 2)
+    rate[0] = (values[1] - values[0]) * SOURCE_FPS
+    rate[-1] = (values[-1] - values[-2]) * SOURCE_FPS
     return rate
 
 
@@ -120,7 +128,7 @@ def _head(direction: Array, up: Array, forward: Array) -> Array:
     Rigs disagree by up to 30 degrees on where head joints lie, at rest too, but agree on how heads move: the take's
     median direction in the chest's frame counts as looking ahead.
     """
-    chest = np.stack([np.cross(up, forward), up, forward], axis=-2)
+    chest = np.stack([_cross(up, forward), up, forward], axis=-2)
     local = np.einsum("...ij,...j->...i", chest, direction)
     local += _LOOKING_AHEAD - np.median(local, axis=0)
     return _unit(np.einsum("...ij,...i->...j", chest, local))
@@ -160,55 +168,55 @@ def _points(up: Array, hips: Array, shoulders: Array, head: Array, limbs: Array)
     )
 
 
-def body_features(joints: ArrayLike, fps: float = SOURCE_FPS) -> Array:
+def _contacts(points: Array, velocities: Array, root_velocity: Array, height: Array) -> Array:
+    """How surely each of `SOLES` stands on the ground, 0..1: one at rest on it, less the faster and the higher."""
+    speed = _length(velocities[..., _SOLES, :] + root_velocity[..., None, :])
+    above = np.maximum(points[..., _SOLES, 1] + height[..., None] - _SOLE_HEIGHTS, 0)
+    contacts: Array = 1 / (1 + (speed / _CONTACT_SPEED) ** 2 + (above / _CONTACT_HEIGHT) ** 2)
+    return contacts
+
+
+def body_features(joints: ArrayLike) -> Array:
     """Features of one motion or of many of equal length.
 
     Parameters
     ----------
     joints : array (..., T, 22, 3)
-        Positions in metres (any scale will do), Y up.
-    fps : float
-        Frames a second of `joints`.
+        Positions in metres (any scale will do), Y up, 20 frames a second.
 
     Returns
     -------
     float32 array (..., ceil(T / 2), SIZE)
         Every second frame's features, laid out as `LAYOUT` says. Finite for finite joints.
     """
-    joints = np.moveaxis(np.clip(joints, -_FARTHEST, _FARTHEST).astype(np.float32), -3, 0)
-    limbs = joints[..., _ENDS, :] - joints[..., _STARTS, :]
-    left_hip, right_hip, left_shoulder, right_shoulder, head = (joints[..., i, :] for i in _TRUNK_JOINTS)
-    middle_hip, middle_shoulder = (left_hip + right_hip) / 2, (left_shoulder + right_shoulder) / 2
+    # Time is the first axis inside, whatever the leading dimensions.
+    place: Array = np.moveaxis(np.clip(joints, -_FARTHEST, _FARTHEST).astype(np.float32), -3, 0)
+    limbs = place[..., _ENDS, :] - place[..., _STARTS, :]
+    left_hip, right_hip, left_shoulder, right_shoulder, head = (place[..., i, :] for i in _TRUNK_JOINTS)
+    middle_hip: Array = (left_hip + right_hip) * np.float32(0.5)
+    middle_shoulder: Array = (left_shoulder + right_shoulder) * np.float32(0.5)
+
+    up = _unit(middle_shoulder - middle_hip)
+    hips, shoulders = _unit(left_hip - right_hip), _unit(left_shoulder - right_shoulder)
+    pelvis_forward, chest_forward = _unit(_cross(hips, up)), _unit(_cross(shoulders, up))
+    head = _head(_unit(head - middle_shoulder), up, chest_forward)
 
     root = middle_hip * _scale(limbs)[..., None]
-    up, hips, shoulders = (
-        _unit(middle_shoulder - middle_hip),
-        _unit(left_hip - right_hip),
-        _unit(left_shoulder - right_shoulder),
-    )
-    pelvis_forward, chest_forward = _unit(np.cross(hips, up)), _unit(np.cross(shoulders, up))
-    head = _head(_unit(head - middle_shoulder), up, chest_forward)
     points = _points(up, hips, shoulders, head, _unit(limbs) * _LENGTHS)
-
-    lowest = np.minimum(points[..., 1].min(-1), 0) + root[..., 1]
+    lowest = root[..., 1] + np.minimum(points[..., 1].min(-1), 0)
     height = root[..., 1] - np.percentile(lowest, _FLOOR_PERCENTILE, axis=0).astype(np.float32)
 
-    velocities, root_velocity = _rate(points, fps), _rate(root, fps)
-    speed = _length(velocities[..., _SOLES, :] + root_velocity[..., None, :])
-    above = np.maximum(points[..., _SOLES, 1] + height[..., None] - _SOLE_HEIGHTS, 0)
-    contacts = 1 / (1 + (speed / _CONTACT_SPEED) ** 2 + (above / _CONTACT_HEIGHT) ** 2)
-
+    velocities, root_velocity = _rate(points), _rate(root)
+    contacts = _contacts(points, velocities, root_velocity, height)
     cosine, sine = _heading(hips, shoulders, pelvis_forward)
-    yaw_rate = cosine * _rate(sine, fps) - sine * _rate(cosine, fps)
+    yaw_rate = cosine * _rate(sine) - sine * _rate(cosine)
 
     vectors = np.stack([up, pelvis_forward, chest_forward, root_velocity], axis=-2)
     turned = _turn(np.concatenate([points, velocities, vectors], axis=-2)[::2], cosine[::2], sine[::2])
-    flat = turned.reshape(*turned.shape[:-2], -1)
-    ends = 2 * LAYOUT["positions"].stop
-    features = np.concatenate(
-        [flat[..., :ends], height[::2, ..., None], flat[..., ends:], yaw_rate[::2, ..., None], contacts[::2]], axis=-1
-    )
-    return np.moveaxis(features, 0, -2).astype(np.float32)
+    turned = turned.reshape(*turned.shape[:-2], -1)
+    split = LAYOUT["velocities"].stop
+    parts = [turned[..., :split], height[::2, ..., None], turned[..., split:], yaw_rate[::2, ..., None], contacts[::2]]
+    return np.ascontiguousarray(np.moveaxis(np.concatenate(parts, axis=-1), 0, -2))
 
 
 def of_motion(motion: Motion) -> Array:
