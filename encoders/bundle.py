@@ -60,6 +60,7 @@ class Bundle:
         self.manifest: Mapping[str, Any] = manifest.values
         self._threads = threads
         self._lock = threading.RLock()
+        self._sessions: dict[str, InferenceSession] = {}
         self._sentences: OrderedDict[str, Array] = OrderedDict()
 
     @classmethod
@@ -153,7 +154,7 @@ class Bundle:
         for batch in length_buckets([len(row) for row in ids], _TOKENS_A_BATCH):
             padded, lengths = pad([ids[i] for i in batch])
             mask = (np.arange(padded.shape[1]) < lengths[:, None]).astype(np.int64)
-            latents[batch] = _unit(self._text.run(None, {"input_ids": padded, "attention_mask": mask})[0])
+            latents[batch] = _unit(self._session(TEXT).run(None, {"input_ids": padded, "attention_mask": mask})[0])
         return latents
 
     def _check(self, features: Array) -> None:
@@ -163,25 +164,22 @@ class Bundle:
 
     def _encode(self, features: Array, lengths: NDArray[np.int64]) -> Array:
         feed = {"features": np.asarray(features, np.float32), "lengths": lengths}
-        return _unit(self._motion.run(None, feed)[0])
-
-    @property
-    def _motion(self) -> InferenceSession:
-        return self._session(MOTION)
-
-    @property
-    def _text(self) -> InferenceSession:
-        return self._session(TEXT)
+        return _unit(self._session(MOTION).run(None, feed)[0])
 
     def _session(self, name: str) -> InferenceSession:
         with self._lock:
             if name not in self._sessions:
-                self._sessions[name] = open_session(self.folder / name, self._threads)
+                session = open_session(self.folder / name, self._threads)
+                size = FEATURE_KINDS[self.feature_kind].size
+                inputs = {
+                    MOTION: {"features": [None, None, size], "lengths": [None]},
+                    TEXT: {"input_ids": [None, None], "attention_mask": [None, None]},
+                }
+                found = {node.name: _fixed(node.shape) for node in session.get_inputs()}
+                if found != inputs[name] or _fixed(session.get_outputs()[0].shape) != [None, self.latent_size]:
+                    raise BundleError(f"{self.folder / name}: does not fit its manifest, or other features than ours")
+                self._sessions[name] = session
             return self._sessions[name]
-
-    @cached_property
-    def _sessions(self) -> dict[str, InferenceSession]:
-        return {}
 
     @cached_property
     def _tokenizer(self) -> Tokenizer:
@@ -214,6 +212,11 @@ def half_overlapping(frames: int, length: int) -> NDArray[np.int64]:
     """Starts of windows of `length` that cover `frames`, half a length apart; the last ends where the frames end."""
     last = max(frames - length, 0)
     return np.append(np.arange(0, last, max(length // 2, 1)), last)
+
+
+def _fixed(shape: Sequence[int | str]) -> list[int | None]:
+    """A graph's shape with None for every free dimension."""
+    return [size if isinstance(size, int) else None for size in shape]
 
 
 def _unit(vectors: Array) -> Array:

@@ -31,3 +31,9 @@ def golden(shared: Path) -> Path:
 def mocap() -> Path:
     """Real motion capture in many rigs, unpacked."""
     return _folder_or_skip(ROOT / "data" / "mocap")
+
+
+@pytest.fixture(scope="session")
+def tiny_bundle() -> Path:
+    """The folder of a whole bundle with random weights: it runs everything and means nothing."""
+    return ROOT / "tests" / "data" / "tiny_bundle"

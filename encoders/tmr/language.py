@@ -181,10 +181,6 @@ class LanguageModel:
             raise BundleError(f"{folder}: no language model that can be read ({error})") from error
         tokenizer.no_padding()
         tokenizer.enable_truncation(max_tokens)
-        if name is None:
-            name = (
-                str(values.get("_name_or_path") or folder.name) if folder != packaged_folder() else "all-MiniLM-L6-v2"
-            )
         return cls(name, network.eval().requires_grad_(False), tokenizer, max_tokens)
 
     def tokenize(self, sentences: Sequence[str]) -> list[list[int]]:
