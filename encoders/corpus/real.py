@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.kinds import FeatureKind
 from encoders.motion import Motion
+
+#: How fast real clips are played, and the fewest feature frames that show anything.
+_SPEEDS, _SHORTEST = (0.85, 1.0, 1.2), 4
 
 _SWAPS = {
     "left": "right", "right": "left", "leftward": "rightward", "rightward": "leftward", "leftwards": "rightwards",
@@ -34,6 +38,26 @@ class CaptionedSpan:
     end: float
 
 
+@dataclass(frozen=True)
+class CaptionedTake:
+    """A take with all that was said about it.
+
+    Attributes
+    ----------
+    path : where it comes from
+    trial : performance; the same in every rig it was recorded in
+    motion : Motion at 20 fps
+    description : its owner's few words
+    spans : what people wrote, with times
+    """
+
+    path: str
+    trial: str
+    motion: Motion
+    description: str
+    spans: tuple[CaptionedSpan, ...]
+
+
 def mirror_words(sentence: str) -> str:
     """Left and right swapped; words in which "right" is no side stay."""
     kept = [m.span() for m in _NO_SIDE.finditer(sentence)]
@@ -47,26 +71,29 @@ def mirror_words(sentence: str) -> str:
     return _SIDE_WORDS.sub(swap, sentence)
 
 
-def spans_of_pairs(
-    motion: Motion,
-    spans: Sequence[CaptionedSpan],
-    kind: FeatureKind,
-    *,
-    speeds: Sequence[float] = (0.85, 1.0, 1.2),
-    mirrored: bool = True,
-    longest: float = 12.0,
+def real_clips(
+    take: CaptionedTake, kind: FeatureKind, *, varied: bool = True, longest: float = 12.0
 ) -> Iterator[tuple[NDArray[np.float32], tuple[str, ...]]]:
-    """Features and sentences of every span, at every speed, as recorded and mirrored.
+    """Features and sentences of every caption span; a take short enough is a span of its own, with its description.
 
     Features are computed for the whole take and sliced, as the product does with windows.
+
+    Parameters
+    ----------
+    varied : bool
+        Also mirrored, slower and faster, as training wants it.
+    longest : float
+        Seconds a span is cut to.
     """
-    for speed in speeds:
-        for flip in (False, True) if mirrored else (False,):
-            played = Motion(motion.joints, motion.fps * speed).resample(motion.fps) if speed != 1 else motion
-            features = kind.compute(played.mirror() if flip else played)
-            for span in spans:
-                first = int(span.start / speed * kind.fps)
-                last = int(np.ceil(min(span.end, span.start + longest) / speed * kind.fps))
-                part = features[first:last]
-                if len(part) >= 4:
-                    yield part, tuple(mirror_words(c) for c in span.captions) if flip else span.captions
+    motion, spans = take.motion, list(take.spans)
+    if take.description and motion.duration <= longest:
+        spans.append(CaptionedSpan((take.description,), 0.0, motion.duration))
+    for speed, mirrored in product(_SPEEDS, (False, True)) if varied else ((1.0, False),):
+        played = motion if speed == 1 else Motion(motion.joints, motion.fps * speed).resample(motion.fps)
+        features = kind.compute(played.mirror() if mirrored else played)
+        for span in spans:
+            first = int(span.start / speed * kind.fps)
+            last = int(np.ceil(min(span.end, span.start + longest, motion.duration) / speed * kind.fps))
+            if last - first >= _SHORTEST:
+                captions = tuple(map(mirror_words, span.captions)) if mirrored else span.captions
+                yield features[first:last], captions

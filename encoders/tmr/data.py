@@ -134,7 +134,7 @@ def stated_by(meanings: Sequence[Iterable[int]], facts: Sequence[Iterable[int]],
 
 
 def sides_conflict(texts: Sequence[str]) -> NDArray[np.bool_]:
-    """Pairs of sentences (B, B) of which one says only left, the other only right: near in words, false for each other."""
+    """Pairs of sentences (B, B), one saying only left, the other only right: alike but false for each other."""
     left = np.array([bool(_LEFT.search(t)) for t in texts])
     right = np.array([bool(_RIGHT.search(t)) for t in texts])
     only_left, only_right = left & ~right, right & ~left

@@ -35,7 +35,7 @@ def embed_texts(model: TMR, tokens: TokenTable, indices: Sequence[int], batch: i
     """Unit vectors (N, D) of sentences of a token table."""
     out = np.empty((len(indices), model.config.latent), np.float32)
     for start in range(0, len(indices), batch):
-        x, mask = tokens.batch(indices[start : start + batch])
+        x, mask = pad(tokens.rows(indices[start : start + batch]))
         with torch.inference_mode():
             out[start : start + batch] = F.normalize(model.text_encoder.mean(x, mask), dim=-1).numpy()
     return out

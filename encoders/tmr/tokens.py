@@ -42,10 +42,9 @@ class TokenTable:
             cache.mkdir(parents=True, exist_ok=True)  # type: ignore[union-attr]
             np.savez(stored, features=self.features, offsets=self.offsets, sentences=self.sentences)
 
-    def batch(self, indices: Sequence[int]) -> tuple[Tensor, Tensor]:
-        """Padded features (B, L, width) and boolean mask (B, L) of some sentences."""
-        rows = [self.features[self.offsets[i] : self.offsets[i + 1]] for i in indices]
-        return pad(rows)
+    def rows(self, indices: Sequence[int]) -> list[NDArray[np.float16]]:
+        """Token features (L, width) of some sentences."""
+        return [self.features[self.offsets[i] : self.offsets[i + 1]] for i in indices]
 
 
 def pad(rows: Sequence[NDArray[np.floating]]) -> tuple[Tensor, Tensor]:

@@ -24,7 +24,7 @@ from torch import Tensor
 
 from encoders.tmr import losses
 from encoders.tmr.data import PairStore, sides_conflict, stated_by
-from encoders.tmr.network import TMR, Config, Tower
+from encoders.tmr.network import TMR, Config, Encoder, Gaussian, Tower
 from encoders.tmr.tokens import TokenTable, pad
 
 
@@ -54,6 +54,7 @@ class Recipe:
     noise, bias : standard deviations of frame noise and of a constant offset a clip, in standardised units
     averaging : decay of the running mean of weights that is kept
     sampled : the contrastive term sees sampled latents, as published, instead of means
+    decoded : motions a batch that are reconstructed
     """
 
     network: Config = field(default_factory=_default_network)
@@ -76,6 +77,7 @@ class Recipe:
     bias: float = 0.1
     averaging: float = 0.995
     sampled: bool = False
+    decoded: int = 64
     max_frames: int = 120
     seed: int = 0
     bf16: bool = False
@@ -109,13 +111,18 @@ class Normaliser:
 
 @dataclass(frozen=True)
 class Batch:
-    """Tensors of one step; rows of text beyond the motions' count are negatives only."""
+    """One step's rows of mixed lengths; texts beyond the motions' count are negatives only.
 
-    motion: Tensor
-    motion_mask: Tensor
-    text: Tensor
-    text_mask: Tensor
-    ignore: Tensor  # (texts, motions), True where a pair counts neither way
+    Attributes
+    ----------
+    motions : rows (T, F), standardised
+    texts : rows (L, width)
+    ignore : boolean (texts, motions), True where a pair counts neither way
+    """
+
+    motions: list[NDArray[np.float32]]
+    texts: list[NDArray[np.float16]]
+    ignore: Tensor
 
 
 class Batches:
@@ -151,15 +158,15 @@ class Batches:
             if store.swapped[i]
         ][: recipe.hard_negatives]
         away = rng.choice(self.unrelated, size=recipe.unrelated) if recipe.unrelated else np.zeros(0, np.int64)
-        motion, motion_mask = pad([self._motion(store, i, rng) for store, i in picks])
-        text, text_mask = self.tokens.batch([*own, *(t for _, t in swapped), *away.tolist()])
+        motions = [self._motion(store, i, rng) for store, i in picks]
+        texts = self.tokens.rows([*own, *(t for _, t in swapped), *away.tolist()])
         ignore = np.zeros((len(own) + len(swapped) + len(away), len(own)), bool)
         if recipe.filter == "facts":
             ignore[: len(own)] = self._no_negatives(picks, chosen, own)
         for extra, (row, _) in enumerate(swapped):
             ignore[len(own) + extra] = True
             ignore[len(own) + extra, row] = False
-        return Batch(motion, motion_mask, text, text_mask, torch.from_numpy(ignore))
+        return Batch(motions, texts, torch.from_numpy(ignore))
 
     def _motion(self, store: PairStore, index: int, rng: np.random.Generator) -> NDArray[np.float32]:
         recipe = self.recipe
@@ -211,20 +218,32 @@ def contrast(text: Tensor, motion: Tensor, ignore: Tensor, temperature: Tensor, 
     return (F.cross_entropy(logits[:count], target) + F.cross_entropy(logits.T, target)) / 2
 
 
+def encode(encoder: Encoder, rows: Sequence[NDArray[np.floating]], groups: int = 3) -> Gaussian:
+    """Rows of mixed lengths through an encoder, in groups of like length so that little is padding."""
+    order = np.argsort([len(row) for row in rows], kind="stable")
+    parts = [encoder(*pad([rows[i] for i in part])) for part in np.array_split(order, groups) if len(part)]
+    back = torch.from_numpy(np.argsort(order))
+    return Gaussian(*(torch.cat(side)[back] for side in zip(*parts, strict=True)))
+
+
 def step_losses(model: TMR, log_temperature: Tensor, batch: Batch, recipe: Recipe) -> dict[str, Tensor]:
     """Every term of TMR's objective on one batch, named as the fields of `losses.Weights`."""
-    count = len(batch.motion)
-    motion = model.motion_encoder(batch.motion, batch.motion_mask)
-    texts = model.text_encoder(batch.text, batch.text_mask)
-    text = type(texts)(texts.mu[:count], texts.logvar[:count])
+    count = len(batch.motions)
+    motion = encode(model.motion_encoder, batch.motions)
+    texts = encode(model.text_encoder, batch.texts)
+    text = Gaussian(texts.mu[:count], texts.logvar[:count])
     sampled_text, sampled_motion = text.sample(), motion.sample()
     terms = {}
     if recipe.contrast != "none":
-        sides = (texts.sample(), sampled_motion) if recipe.sampled else (texts.mu, motion.mu)
+        sides = (
+            (torch.cat((sampled_text, texts.mu[count:])), sampled_motion) if recipe.sampled else (texts.mu, motion.mu)
+        )
         terms["contrastive"] = contrast(*sides, batch.ignore, log_temperature.exp(), recipe.contrast)
     if model.motion_decoder is not None:
-        decoded = [model.motion_decoder(z, batch.motion_mask) for z in (sampled_text, sampled_motion)]
-        terms["reconstruction"] = losses.reconstruction(batch.motion, *decoded)
+        every = max(1, count // recipe.decoded)
+        target, mask = pad(batch.motions[::every])
+        decoded = [model.motion_decoder(z[::every], mask) for z in (sampled_text, sampled_motion)]
+        terms["reconstruction"] = losses.reconstruction(target, *decoded)
         terms["kl"] = losses.kl_terms(text, motion)
         terms["latent"] = losses.nearness(sampled_text, sampled_motion)
     return terms

@@ -14,7 +14,7 @@ from encoders.bundle import Bundle
 from encoders.errors import MotionSeekError, QueryError
 from encoders.motion import Motion
 from indexer import load_motion
-from search.evaluate.metrics import average_precision
+from encoders.metrics import average_precision
 from search.query import encode_queries
 
 

@@ -1,37 +1,15 @@
-"""Captioned takes from a folder, as the model is trained and validated on them."""
+"""Captioned takes of a folder with a manifest: what the model is trained and validated on."""
 
 from __future__ import annotations
 
 import csv
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
-from encoders.corpus.real import CaptionedSpan
+from encoders.corpus.real import CaptionedSpan, CaptionedTake
 from encoders.errors import MotionSeekError, QueryError
-from encoders.motion import Motion
 from indexer import load_motion
-
-
-@dataclass(frozen=True)
-class CaptionedTake:
-    """A take with all that was said about it.
-
-    Attributes
-    ----------
-    path : Path
-    trial : performance; the same in every rig it was recorded in
-    motion : Motion at 20 fps
-    description : its owner's few words
-    spans : what people wrote, with times
-    """
-
-    path: Path
-    trial: str
-    motion: Motion
-    description: str
-    spans: tuple[CaptionedSpan, ...]
 
 
 def captioned_takes(folder: Path, captions: Path, split: str) -> Iterator[CaptionedTake]:
@@ -68,4 +46,4 @@ def captioned_takes(folder: Path, captions: Path, split: str) -> Iterator[Captio
         spans = tuple(s for s in said.get(row["trial"], ()) if s.start < motion.duration - 0.5)
         if row["kind"] != "take":
             spans = ()
-        yield CaptionedTake(path, row["trial"], motion, row["description"], spans)
+        yield CaptionedTake(row["path"], row["trial"], motion, row["description"], spans)

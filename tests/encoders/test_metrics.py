@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from search.evaluate import metrics
+from encoders import metrics
 
 
 def test_every_published_case_is_matched(golden: Path) -> None:

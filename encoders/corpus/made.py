@@ -1,0 +1,129 @@
+"""Made training pairs: scenes drawn at random or read out of human sentences, acted out, and described."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from encoders.corpus.compose import make_clip
+from encoders.corpus.facts import facts
+from encoders.corpus.language import captions, parse, random_scene, swap
+from encoders.corpus.programs import programs
+from encoders.corpus.scene import Scene, Step
+from encoders.kinds import FeatureKind
+from encoders.motion import Motion
+
+_OPTIONAL = ("speed", "amplitude", "style", "height", "count", "side", "direction")
+
+
+@dataclass(frozen=True)
+class Made:
+    """One made clip with sentences that are true of it, and the facts each of them states.
+
+    Attributes
+    ----------
+    features : float32 (T, F)
+    scene : Scene
+    spans : ((start, end) seconds per step group)
+    captions, meanings : sentences, and the facts that each states
+    swapped : sentences that look alike but are false
+    """
+
+    features: NDArray[np.float32]
+    scene: Scene
+    spans: tuple[tuple[float, float], ...]
+    captions: tuple[str, ...]
+    meanings: tuple[frozenset[str], ...]
+    swapped: tuple[str, ...]
+
+
+def settle(scene: Scene, rng: Generator) -> Scene:
+    """Every side that the scene leaves open is decided, so that what is true of the clip is known."""
+
+    def decided(step: Step) -> Step:
+        sides = programs()[step.action].sides
+        return replace(step, side=str(rng.choice(sides))) if sides and not step.side else step
+
+    return Scene(tuple(tuple(decided(step) for step in group) for group in scene.steps))
+
+
+def said_less(scene: Scene, rng: Generator, chance: float = 0.25) -> Scene:
+    """A scene that says less and is true of every clip of `scene`: each particular is left out at times."""
+
+    def less(step: Step) -> Step:
+        dropped = {name: type(getattr(step, name))() for name in _OPTIONAL if rng.random() < chance}
+        return replace(step, **dropped)
+
+    return Scene(tuple(tuple(less(step) for step in group) for group in scene.steps))
+
+
+def make(
+    scene: Scene,
+    rng: Generator,
+    kind: FeatureKind,
+    *,
+    said: Sequence[str] = (),
+    count: int = 4,
+    held_out: Callable[[str], bool] | None = None,
+) -> Made:
+    """Act a scene out and describe it.
+
+    Parameters
+    ----------
+    said : sequence of str
+        Sentences already known to say what `scene` says.
+    count : int
+        Captions to write.
+    held_out : callable, optional
+        Sentences that must not be used.
+    """
+    whole = settle(scene, rng)
+    clip = make_clip(whole, rng)
+    texts, meanings = list(said), [facts(scene)] * len(said)
+    for _ in range(count):
+        less = said_less(whole, rng)
+        texts += captions(less, rng, 1)
+        meanings.append(facts(less))
+    wrong = swap(whole, rng)
+    swapped = captions(wrong, rng, 1) if wrong is not None else []
+    kept = [i for i, text in enumerate(texts) if held_out is None or not held_out(text)]
+    return Made(
+        kind.compute(Motion(clip.joints, clip.fps)),
+        whole,
+        clip.spans,
+        tuple(texts[i] for i in kept),
+        tuple(meanings[i] for i in kept),
+        tuple(swapped),
+    )
+
+
+def made_clips(
+    seed: int,
+    count: int,
+    kind: FeatureKind,
+    *,
+    sentences: Sequence[str] = (),
+    human_share: float = 0.4,
+    held_out: Callable[[str], bool] | None = None,
+) -> Iterator[Made]:
+    """`count` made clips; a share of them act out human sentences that can be read surely.
+
+    The same seed makes the same clips.
+    """
+    rng = np.random.default_rng(seed)
+    while count > 0:
+        scene, said = None, ()
+        if len(sentences) and rng.random() < human_share:
+            sentence = sentences[int(rng.integers(len(sentences)))]
+            scene = parse(sentence)
+            said = (sentence,)
+            if scene is None:
+                continue
+        made = make(scene or random_scene(rng), rng, kind, said=said, held_out=held_out)
+        if made.captions:
+            count -= 1
+            yield made

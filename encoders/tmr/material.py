@@ -1,0 +1,91 @@
+"""What a training run is fed with: made clips in shards, real clips, and token features of all their sentences."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+from encoders.corpus.facts import facts
+from encoders.corpus.made import made_clips
+from encoders.corpus.real import CaptionedTake, real_clips
+from encoders.corpus.unrelated import unrelated_sentence
+from encoders.kinds import FEATURE_KINDS, FeatureKind
+from encoders.tmr.data import Pair, PairStore
+
+SHARD = 2500
+#: Seeds of made clips: training counts up from 0, the others stay clear of it.
+VALIDATION_SEED, TEST_SEED = 1_000_000, 2_000_000
+
+
+def normalised(sentence: str) -> str:
+    """A sentence by its letters and digits alone, so that spelling it otherwise does not hide it."""
+    return " ".join("".join(c if c.isalnum() else " " for c in sentence.lower()).split())
+
+
+def made_store(
+    path: Path, seed: int, count: int, kind: str, sentences: Sequence[str], held_out: frozenset[str]
+) -> PairStore:
+    """`count` made clips, from `path` if they are there, else made and kept there."""
+    if not path.exists():
+        clips = made_clips(seed, count, FEATURE_KINDS[kind], sentences=sentences, held_out=partial(_in, held_out))
+        PairStore(Pair(m.features, m.captions, m.meanings, facts(m.scene), m.swapped) for m in clips).save(path)
+    return PairStore.load(path)
+
+
+def made_stores(
+    folder: Path,
+    count: int,
+    kind: str,
+    sentences: Sequence[str],
+    held_out: frozenset[str],
+    *,
+    seed: int = 0,
+    jobs: int | None = None,
+    say: Callable[[str], None] = print,
+) -> PairStore:
+    """`count` made clips in shards, made side by side; what is there is used again."""
+    shards = -(-count // SHARD)
+    jobs = jobs or os.cpu_count() or 1
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [folder / f"made-{seed + i:07d}.npz" for i in range(shards)]
+    missing = [(path, seed + i) for i, path in enumerate(paths) if not path.exists()]
+    if missing:
+        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+            tasks = [pool.submit(_make_shard, path, s, kind, tuple(sentences), held_out) for path, s in missing]
+            for done, task in enumerate(tasks, 1):
+                task.result()
+                say(f"made {done * SHARD} of {len(missing) * SHARD} clips")
+    return PairStore.joined([PairStore.load(path) for path in paths])
+
+
+def _make_shard(path: Path, seed: int, kind: str, sentences: Sequence[str], held_out: frozenset[str]) -> None:
+    made_store(path, seed, SHARD, kind, sentences, held_out)
+
+
+def _in(held_out: frozenset[str], sentence: str) -> bool:
+    return normalised(sentence) in held_out
+
+
+def real_store(
+    takes: Iterable[CaptionedTake], kind: FeatureKind, *, varied: bool, held_out: frozenset[str]
+) -> PairStore:
+    """Pairs of captioned takes."""
+    return PairStore(
+        Pair(features, kept)
+        for take in takes
+        for features, captions in real_clips(take, kind, varied=varied)
+        if (kept := tuple(c for c in captions if not _in(held_out, c)))
+    )
+
+
+def unrelated_sentences(count: int, seed: int = 0) -> list[str]:
+    """Distinct sentences about anything but motion."""
+    rng = np.random.default_rng(seed)
+    found = dict.fromkeys(unrelated_sentence(rng) for _ in range(2 * count))
+    return list(found)[:count]
