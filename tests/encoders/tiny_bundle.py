@@ -22,8 +22,12 @@ from encoders.tmr.language import LanguageConfig, LanguageModel, LanguageNetwork
 from encoders.tmr.network import TMR, Config, Tower
 
 FOLDER = Path(__file__).resolve().parent.parent / "data" / "tiny_bundle"
-WORDS = """a an the person man woman someone is walks walking runs running jumps jumping sits down stands up turns left
-right waves waving kicks punches throws forward backwards slowly quickly then and with arm hand leg foot both""".split()
+WORDS = (
+    "a", "an", "the", "person", "man", "woman", "someone", "is", "walks", "walking", "runs", "running", "jumps",
+    "jumping", "sits", "down", "stands", "up", "turns", "left", "right", "waves", "waving", "kicks", "punches",
+    "throws", "forward", "backwards", "slowly", "quickly", "then", "and", "with", "arm", "hand", "leg", "foot",
+    "both",
+)  # fmt: skip
 
 
 def tiny_language(width: int = 16, layers: int = 1) -> LanguageModel:
