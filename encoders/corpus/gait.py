@@ -1,4 +1,4 @@
-"""Footsteps planted along a path: the engine under everything that walks, runs, turns or marches."""
+"""Footsteps planted along a course: the engine under everything that walks, runs, turns, marches or crawls."""
 
 from __future__ import annotations
 
@@ -33,8 +33,10 @@ class Gait:
         Rise and fall of the hips.
     push : float
         How far the heel rises in push-off, radians.
+    tiptoe : float
+        How far the heel stays up, radians.
     lean : float
-        Spine forward.
+        Body forward.
     arms : float
         Swing of the upper arm to either side of its middle, radians.
     elbow : float
@@ -43,104 +45,111 @@ class Gait:
         Half the distance of the feet.
     crouch : float
         How much lower than standing the hips travel.
+    offset : float
+        Cycles from the landing of the left foot to that of the right.
     """
 
     speed: float = 1.25
     cadence: float = 1.85
     duty: float = 0.62
-    lift: float = 0.09
+    lift: float = 0.1
     bob: float = 0.02
     push: float = 0.6
+    tiptoe: float = 0.0
     lean: float = 0.03
     arms: float = 0.4
     elbow: float = 0.35
     width: float = 0.08
     crouch: float = 0.015
+    offset: float = 0.5
 
 
 @dataclass(frozen=True)
 class Course:
-    """Where a performer goes, on F + 2 PAD frames.
+    """Where a performer goes, on N = F + 2 PAD frames.
 
     Attributes
     ----------
-    root : float array (F + 2 PAD, 2)
+    root : float array (N, 2)
         x and z of the hips.
-    facing : float array (F + 2 PAD,)
+    facing : float array (N,)
         Heading of the body.
-    effort : float array (F + 2 PAD,)
+    effort : float array (N,)
         0 standing still to 1 full stride.
-    phase : float array (F + 2 PAD,)
+    phase : float array (N,)
         Gait cycles since some start, never decreasing; the left foot lands at whole numbers.
+    level : float array (N,) or float
+        Height of the ground where the hips are.
+    lift : float array (N,) or float
+        Feet raised more than the gait says, in the swing.
     """
 
     root: Array
     facing: Array
     effort: Array
     phase: Array
+    level: Array | float = 0.0
+    lift: Array | float = 0.0
 
 
-def swing_arms(curves: Curves, upper: Array, bend: Array, out: float | Array = 0.13) -> None:
-    """Let both arms swing in the body's middle plane.
+def plant(course: Course, phase: Array, duty: float, aside: float, ahead: float = 0.0) -> tuple[Array, Array, Array]:
+    """A foot, knee or hand that is put down once a cycle and stays there until it swings.
 
     Parameters
     ----------
-    upper, bend : float array (F, 2)
-        Upper arm forward of hanging; elbow bend; radians.
-    out : float or (F, 2)
-        Wrist outward of its shoulder, arm lengths.
+    phase : float array (N,)
+        Its own cycles: down from a whole number on for a share of `duty`.
+    aside, ahead : float
+        Where it is put, to the left and ahead of the hips in the middle of its stance.
+
+    Returns
+    -------
+    place : (N, 4) of x, ground, z and facing; share : (N,) of the cycle; swing : (N,) share of the swing.
     """
-    curves.hands[..., 0] = out
-    curves.hands[..., 1] = -0.5 * np.cos(upper) - 0.49 * np.cos(upper + bend)
-    curves.hands[..., 2] = 0.5 * np.sin(upper) + 0.49 * np.sin(upper + bend)
-    reach = np.sqrt((curves.hands[..., 1:] ** 2).sum(-1))
-    curves.hands[..., 1:] *= (np.minimum(reach, np.sqrt(0.97 - np.square(np.minimum(np.abs(out), 0.6)))) / reach)[
-        ..., None
-    ]
+    frames = np.arange(len(phase), dtype=np.float64)
+    index = np.floor(phase).astype(np.int64)
+    holds = np.arange(index[0] - 1, index[-1] + 3)
+    middle = np.interp(holds + duty / 2, phase + frames * 1e-9, frames)
+    facing = np.interp(middle, frames, course.facing)
+    sin, cos = np.sin(facing), np.cos(facing)
+    spots = np.empty((len(holds), 4))
+    spots[:, 0] = np.interp(middle, frames, course.root[:, 0]) + aside * cos + ahead * sin
+    spots[:, 1] = np.interp(middle, frames, course.level) if isinstance(course.level, np.ndarray) else course.level
+    spots[:, 2] = np.interp(middle, frames, course.root[:, 1]) - aside * sin + ahead * cos
+    spots[:, 3] = facing
+    share = phase - index
+    swing = np.clip((share - duty) / (1 - duty), 0.0, 1.0)
+    here = index - holds[0]
+    move = ease(swing)[:, None]
+    place = spots[here] * (1 - move) + spots[here + 1] * move
+    # Up a step the foot rises first, down a step it sinks last.
+    rise = spots[here + 1, 1] - spots[here, 1]
+    place[:, 1] = spots[here, 1] + rise * ease(np.where(rise > 0, swing * 1.7, swing * 1.7 - 0.7))
+    return place, share, swing
 
 
 def _foot(course: Course, gait: Gait, manner: Manner, side: int) -> tuple[Array, Array, Array]:
     """Ankle (N, 3), foot pitch (N,) and foot yaw (N,) of one side."""
-    phase = course.phase + (0.0 if side == LEFT else 0.5)
-    first, last = int(np.floor(phase[0])) - 1, int(np.floor(phase[-1])) + 2
-    steps = np.arange(first, last + 1)
-    # A foot is put down where the hips will be in the middle of its stance.
-    clock = np.arange(len(phase)) + np.linspace(0.0, 1e-6, len(phase))
-    middle = np.interp(steps + gait.duty / 2, phase + np.linspace(0.0, 1e-9, len(phase)), clock)
-    frames = np.arange(len(phase))
-    facing = np.interp(middle, frames, course.facing)
-    width = (gait.width * np.clip(np.exp(manner.width), 0.3, 2.2)) * (1.0 if side == LEFT else -1.0)
-    holds = np.stack(
-        [
-            np.interp(middle, frames, course.root[:, 0]) + width * np.cos(facing),
-            np.interp(middle, frames, course.root[:, 1]) - width * np.sin(facing),
-            facing,
-        ],
-        axis=1,
+    width = gait.width * float(np.clip(manner.factor("width"), 0.25, 2.2))
+    place, share, swing = plant(
+        course, course.phase - (gait.offset if side == RIGHT else 0.0), gait.duty, width if side == LEFT else -width
     )
-    index = np.floor(phase).astype(np.int64)
-    share = phase - index
-    swing = np.clip((share - gait.duty) / (1 - gait.duty), 0.0, 1.0)
-    move = ease(swing)[:, None]
-    here = holds[index - first] * (1 - move) + holds[index - first + 1] * move
-    effort = course.effort
-    raised = max(gait.lift + manner.lift, 0.02) * effort * np.sin(np.pi * swing) ** 1.5
+    effort, facing = course.effort, place[:, 3]
+    raised = np.maximum(gait.lift + manner.lift, 0.015) * effort + course.lift
+    raised = raised * np.sin(np.pi * swing**0.75) ** 1.3  # the heel is highest early in the swing
     # Push-off: the heel rises about the ball of the foot, then the toes come up for landing.
     off = ease((share - 0.62 * gait.duty) / (0.38 * gait.duty)) * (1 - ease(swing / 0.6))
     land = ease((swing - 0.5) / 0.5) + np.where(share < gait.duty, 1 - ease(share / (0.2 * gait.duty)), 0.0)
-    heel = gait.push * effort * off
+    heel = np.maximum(gait.push * off * effort, gait.tiptoe)
     down, ahead = _BALL
     forward = down * np.sin(heel) + ahead * (1 - np.cos(heel))
     up = ahead * np.sin(heel) - down * (1 - np.cos(heel))
-    ankle = np.stack(
-        [
-            here[:, 0] + forward * np.sin(here[:, 2]),
-            ANKLE + raised + up,
-            here[:, 1] + forward * np.cos(here[:, 2]),
-        ],
-        axis=1,
-    )
-    return ankle, 0.25 * min(gait.push, 0.6) / 0.6 * effort * np.minimum(land, 1.0) - heel, here[:, 2]
+    ankle = np.empty((len(share), 3))
+    ankle[:, 0] = place[:, 0] + forward * np.sin(facing)
+    ankle[:, 1] = ANKLE + place[:, 1] + raised + up
+    ankle[:, 2] = place[:, 2] + forward * np.cos(facing)
+    toes = 0.0 if gait.tiptoe else 0.4 * min(gait.push, 0.6)
+    return ankle, toes * effort * np.minimum(land, 1.0) - heel, facing
 
 
 def step_along(course: Course, gait: Gait, manner: Manner) -> Curves:
@@ -153,42 +162,79 @@ def step_along(course: Course, gait: Gait, manner: Manner) -> Curves:
         curves.feet[:, side], curves.foot_pitch[:, side] = ankle[keep], pitch[keep]
         curves.foot_yaw[:, side] += yaw[keep]
     cycle = 2 * np.pi * phase
-    middle = cycle - np.pi * gait.duty  # 0 in the middle of the left foot's stance
-    flight = -1.0 if gait.duty < 0.5 else 1.0
-    sway = 0.022 * np.clip(manner.factor("sway"), 0.2, 2.5) * effort * np.cos(middle)
-    facing = course.facing[keep]
-    curves.root[:, 0] = course.root[keep, 0] + sway * np.cos(facing)
-    curves.root[:, 2] = course.root[keep, 1] - sway * np.sin(facing)
-    bob = gait.bob * np.clip(manner.factor("bounce"), 0.2, 2.5)
-    limp = manner.limp * np.cos(middle)  # sparing the left leg: sink and lean while it stands
-    curves.root[:, 1] = STAND - gait.crouch * effort + effort * (bob * flight * np.cos(2 * middle) - 0.03 * limp)
-    curves.heading[:] = facing
-    roll = 0.05 * np.clip(manner.factor("sway"), 0.2, 3.0)
-    twist = np.clip(manner.factor("twist"), 0.2, 2.5) * min(gait.speed + 0.3, 2.0) * 0.06
-    curves.pelvis[:, 1] = -roll * effort * np.cos(middle)
-    curves.pelvis[:, 2] = -twist * effort * np.cos(cycle)
-    curves.pelvis[:, 0] = 0.35 * gait.lean * effort
-    curves.spine[:, 0] = 0.65 * gait.lean * effort
-    curves.spine[:, 1] = 0.6 * roll * effort * np.cos(middle) + 0.12 * limp * effort
-    curves.spine[:, 2] = 1.7 * twist * effort * np.cos(cycle)
-    curves.head[:, 0] = -0.5 * gait.lean * effort
-    curves.head[:, 2] = -0.7 * twist * effort * np.cos(cycle)
-    swing = gait.arms * np.clip(manner.factor("swing"), 0.05, 2.2)
-    sides = np.stack([-np.cos(cycle - 0.15), np.cos(cycle - 0.15)], axis=1)
-    upper = effort[:, None] * (swing * sides - 0.12 * gait.elbow)
-    bend = 0.2 + effort[:, None] * (gait.elbow - 0.2 + 0.45 * swing * (sides + 0.3))
-    swing_arms(
-        curves,
-        upper,
-        np.maximum(bend, 0.05),
-        0.13 - 0.1 * np.maximum(sides, 0.0) * effort[:, None] * min(gait.elbow, 1.0),
-    )
+    beat = np.cos(cycle - np.pi * gait.duty)  # 1 in the middle of the left foot's stance, -1 of the right's
+    _hips(curves, course, gait, manner, beat)
+    _torso(curves, gait, manner, effort, cycle, beat)
+    _arms(curves, gait, manner, effort, cycle)
     return curves
 
 
-def cadence_phase(rate: Array, start: float, manner: Manner) -> Array:
+def _hips(curves: Curves, course: Course, gait: Gait, manner: Manner, beat: Array) -> None:
+    keep = slice(PAD, len(course.phase) - PAD)
+    effort, facing = course.effort[keep], course.facing[keep]
+    narrow = min(gait.width / 0.08, 1.5)
+    sway = 0.02 * narrow * float(np.clip(manner.factor("sway"), 0.2, 2.5)) * effort * beat
+    curves.root[:, 0] = course.root[keep, 0] + sway * np.cos(facing)
+    curves.root[:, 2] = course.root[keep, 1] - sway * np.sin(facing)
+    bob = gait.bob * float(np.clip(manner.factor("bounce"), 0.2, 2.5)) * (-1.0 if gait.duty < 0.5 else 1.0)
+    level = smooth_level(course.level, len(course.phase))[keep]
+    # A spared leg makes the body sink and lean while it stands.
+    curves.root[:, 1] = STAND + level - gait.crouch + 0.12 * np.sin(gait.tiptoe)
+    curves.root[:, 1] += effort * (bob * (2 * beat * beat - 1) - 0.03 * manner.limp * beat)
+    curves.heading[:] = facing
+
+
+def smooth_level(level: Array | float, frames: int, window: int = 15) -> Array:
+    """Ground under the hips (N,), without its steps."""
+    if not isinstance(level, np.ndarray):
+        return np.full(frames, float(level))
+    padded = np.pad(level, window // 2, mode="edge")
+    return np.convolve(padded, np.full(window, 1 / window), mode="valid")
+
+
+def _torso(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Array, beat: Array) -> None:
+    roll = 0.05 * float(np.clip(manner.factor("sway"), 0.2, 3.0)) * effort * beat
+    twist = 0.05 * min(gait.speed + 0.3, 2.5) * float(np.clip(manner.factor("twist"), 0.2, 2.5))
+    turn = twist * effort * np.cos(cycle)
+    curves.pelvis[:, 0] = 0.35 * gait.lean * effort
+    curves.pelvis[:, 1] = -roll
+    curves.pelvis[:, 2] = -turn
+    curves.spine[:, 0] = 0.65 * gait.lean * effort
+    curves.spine[:, 1] = 0.6 * roll + 0.12 * manner.limp * effort * beat
+    curves.spine[:, 2] = 1.7 * turn
+    curves.head[:, 0] = -0.5 * gait.lean * effort
+    curves.head[:, 2] = -0.7 * turn
+
+
+def _arms(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Array) -> None:
+    swing = gait.arms * float(np.clip(manner.factor("swing"), 0.05, 2.2))
+    side = np.stack([-np.cos(cycle - 0.15), np.cos(cycle - 0.15)], axis=1)  # 1: this arm is ahead
+    effort = effort[:, None]
+    upper = effort * (swing * side - 0.12 * gait.elbow)
+    bend = 0.2 + effort * (gait.elbow - 0.2 + 0.45 * swing * (side + 0.3))
+    out = 0.13 - 0.1 * np.maximum(side, 0.0) * effort * min(gait.elbow, 1.0)
+    swing_arms(curves, upper, np.maximum(bend, 0.05), out)
+
+
+def swing_arms(curves: Curves, upper: Array, bend: Array, out: float | Array = 0.13) -> None:
+    """Let both arms swing in the body's middle plane.
+
+    Parameters
+    ----------
+    upper, bend : float array (F, 2)
+        Upper arm forward of hanging; elbow bend; radians.
+    out : float or (F, 2)
+        Wrist outward of its shoulder, arm lengths.
+    """
+    plane = np.sqrt(1 - np.square(np.minimum(np.abs(out), 0.6)))
+    curves.hands[..., 0] = out
+    curves.hands[..., 1] = -plane * (0.5 * np.cos(upper) + 0.49 * np.cos(upper + bend))
+    curves.hands[..., 2] = plane * (0.5 * np.sin(upper) + 0.49 * np.sin(upper + bend))
+
+
+def gait_phase(rate: Array, start: float, manner: Manner) -> Array:
     """Gait cycles from steps a second (N,); uneven where the manner limps or stops and goes."""
     phase = start + np.cumsum(rate) / (2 * FPS)
     angle = 2 * np.pi * phase
-    uneven = 0.045 * np.clip(manner.limp, -1.2, 1.2) * np.sin(angle)
-    return np.asarray(phase + uneven + 0.05 * np.clip(manner.jerk, 0.0, 1.2) * np.sin(2 * angle) / 2)
+    uneven = 0.045 * float(np.clip(manner.limp, -1.2, 1.2)) * np.sin(angle)
+    return np.asarray(phase + uneven + 0.025 * float(np.clip(manner.jerk, 0.0, 1.2)) * np.sin(2 * angle))

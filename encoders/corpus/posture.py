@@ -5,16 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.random import Generator
 
-from encoders.corpus.curves import STAND, Curves, ease, frames_of, hold, keys, standing
-from encoders.corpus.locomotion import tempo
+from encoders.corpus.curves import STAND, Curves, ease, hold, keys, standing
 from encoders.corpus.programs import program
 from encoders.corpus.scene import Step
 from encoders.corpus.style import Manner
-
-
-def duration(base: float, step: Step, manner: Manner, rng: Generator, frames: int = 0) -> int:
-    """Frames of an action that takes `base` seconds at an ordinary pace; a hint wins."""
-    return frames or frames_of(base / (tempo(step, rng, 0.15) * manner.factor("pace") ** 0.6))
+from encoders.corpus.timing import duration
 
 
 @program("bow", group="posture", parts={"spine", "head"}, amplitudes=("small", "large"), counts=(1, 3), weight=2)

@@ -24,7 +24,19 @@ from encoders.corpus.style import STYLES, Manner
 Make = Callable[[Step, Manner, Generator, int], Curves]
 
 #: Modules that register programs when imported; one that is not there yet is passed over.
-MODULES = ("locomotion", "jumps", "climbing", "posture", "floor", "gestures", "sports", "objects", "dance", "exercise")
+MODULES = (
+    "locomotion",
+    "jumps",
+    "climbing",
+    "posture",
+    "floor",
+    "acrobatics",
+    "gestures",
+    "sports",
+    "objects",
+    "dance",
+    "exercise",
+)
 
 SPEEDS = ("slow", "fast")
 AMPLITUDES = ("small", "large")
