@@ -1,6 +1,8 @@
 """Language of the corpus: scenes into captions, sentences into scenes."""
 
 from encoders.corpus.language.draw import random_scene
-from encoders.corpus.language.grammar import captions
+from encoders.corpus.language.grammar import Said, captions, describe
+from encoders.corpus.language.parse import parse
+from encoders.corpus.language.swap import swap, swaps
 
-__all__ = ["captions", "random_scene"]
+__all__ = ["Said", "captions", "describe", "parse", "random_scene", "swap", "swaps"]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from encoders.corpus.language.choice import Chance, pick, pick_early
-from encoders.corpus.language.lexicon import LIMBS, Phrase, entry_of, modifier, phrases_for
+from encoders.corpus.language.lexicon import FIELDS, LIMBS, Phrase, entry_of, modifier, phrases_for
 from encoders.corpus.language.subjects import Subject
 from encoders.corpus.language.words import indefinite, inflect, number_word, times
 from encoders.corpus.scene import Step
@@ -38,9 +39,12 @@ class Clause:
         Stands before the first verb; may be empty.
     tail : str
         Modifiers behind it; may be empty.
+    said : Step
+        What it says: the step less the fields that it leaves out.
     """
 
     text: str
+    said: Step
     adverb: str = ""
     tail: str = ""
 
@@ -137,8 +141,7 @@ def _particulars(step: Step, unsaid: set[str], limb: str, rng: Chance) -> tuple[
         elif options := [*adverbs, *tails]:
             after.append(pick_early(rng, options))
     if "count" in unsaid:
-        count = _counted("step", step.count, rng) if limb == "way" else pick_early(rng, times(step.count))
-        after.insert(min(len(after), 1 if rng.random() < 0.5 else 9), count)
+        after.insert(min(len(after), 1 if rng.random() < 0.5 else 9), pick_early(rng, times(step.count)))
     return adverb, after
 
 
@@ -161,14 +164,23 @@ def make_clause(step: Step, subject: Subject, rng: Chance, *, without: frozenset
         raise KeyError(f"no verbs for {step}")
     entry = entry_of(step.action)
     assert entry is not None
-    unsaid = {
-        field
-        for field in ("side", "direction", "speed", "amplitude", "count", "style", "height")
-        if getattr(step, field) and field not in phrase.says | without | entry.unsaid and rng.random() < SAID
-    }
+    set_fields = {field for field in FIELDS if getattr(step, field)}
+    open_fields = [field for field in FIELDS if field in set_fields - phrase.says - without]
+    unsaid = {field for field in open_fields if field not in entry.unsaid and rng.random() < SAID}
     adverb, after = _particulars(step, unsaid, entry.limb, rng)
     return Clause(
         text=fill(mark_verbs(phrase.text), step, subject, rng),
+        said=without_fields(step, set(open_fields) - unsaid),
         adverb=fill(adverb, step, subject, rng),
         tail=fill(" ".join(after), step, subject, rng),
     )
+
+
+def without_fields(step: Step, fields: Iterable[str]) -> Step:
+    """The step with `fields` empty."""
+    return replace(step, **{field: type(getattr(step, field))() for field in fields})
+
+
+def only_fields(step: Step, fields: Iterable[str]) -> Step:
+    """The step with every field but `fields` empty."""
+    return without_fields(step, set(FIELDS) - set(fields))

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from encoders.corpus.language.choice import Chance, pick, pick_early, pick_weighted
-from encoders.corpus.language.clause import Clause, choose_phrase, fill, make_clause
+from encoders.corpus.language.clause import Clause, choose_phrase, fill, make_clause, only_fields
 from encoders.corpus.language.lexicon import modifier
 from encoders.corpus.language.sloppy import sloppy
 from encoders.corpus.language.subjects import Subject, draw_subject, nobody, with_adjective
@@ -33,7 +33,7 @@ _PLAIN = 8  # the first joins, which keep the verb form and may stand anywhere
 _LAST_OF_LIST = (", and ", ", then ", " and then ", ", and then ", " and ")
 _LIKE_DOING = ("as if {x}", "as if {they_are} {x}", "like {they_are} {x}", "as though {x}", "as if {they_were} {x}")
 _LIKE_CLAUSE = ("as if {x}", "like {x}", "as though {x}")
-_POSTURES = frozenset({"stand", "idle"})  # what a standing gesture need not mention
+_POSTURES = frozenset({"stand", "idle", "stand still"})  # what a standing gesture need not mention
 _OPENERS = ("", "", "", "", "", "", "", "", "first ", "at first ")
 
 
@@ -70,6 +70,10 @@ class Together:
     clauses: tuple[Clause, ...]
     joins: tuple[str, ...]
 
+    @property
+    def said(self) -> Group:
+        return tuple(clause.said for clause in self.clauses)
+
     def say(self, form: str) -> str:
         """In a verb form of the first clause; see `Clause.say`."""
         same = "ing" if form in ("is", "are", "was", "were") else form
@@ -97,6 +101,18 @@ def _together(group: Group, subject: Subject, rng: Chance, without: frozenset[st
     )
 
 
+@dataclass(frozen=True)
+class Said:
+    """A caption and what it says: a scene that leaves out what the words leave out."""
+
+    text: str
+    scene: Scene
+
+
+def _said(text: str, parts: Sequence[Together]) -> Said:
+    return Said(text, Scene(tuple(part.said for part in parts)))
+
+
 def _joined(parts: Sequence[Together], forms: Sequence[str], rng: Chance, *, plain: bool = False) -> str:
     """Clauses in order, joined as people join them; `plain` joins only with then, and, commas."""
     said = [part.say(form) for part, form in zip(parts, forms, strict=True)]
@@ -110,7 +126,7 @@ def _joined(parts: Sequence[Together], forms: Sequence[str], rng: Chance, *, pla
     return text
 
 
-def _sentence(groups: Sequence[Group], rng: Chance) -> str:
+def _sentence(groups: Sequence[Group], rng: Chance) -> Said:
     subject = draw_subject(rng)
     without: frozenset[str] = frozenset()
     styles = {step.style for group in groups for step in group}
@@ -121,14 +137,16 @@ def _sentence(groups: Sequence[Group], rng: Chance) -> str:
             subject, without = styled, frozenset({"style"})
     parts = [_together(group, subject, rng, without) for group in groups]
     if len(parts) == 1:
-        return _single_sentence(groups[0], parts[0], rng)
+        return _said(_single_sentence(groups[0], parts[0], rng), parts)
     form = _verb_form(subject, _draw_tense(rng))
     if len(parts) == 2 and rng.random() < 0.09:
         if rng.random() < 0.67:
-            return f"after {parts[0].say('ing')}, {subject.text} {parts[1].say(form)}"
-        return f"{subject.text} {parts[1].say(form)} after {parts[0].say('ing')}"
+            return _said(f"after {parts[0].say('ing')}, {subject.text} {parts[1].say(form)}", parts)
+        return _said(f"{subject.text} {parts[1].say(form)} after {parts[0].say('ing')}", parts)
     later = "ing" if form in ("is", "are", "was", "were") and rng.random() < 0.7 else form
-    return f"{pick(rng, _OPENERS)}{subject.text} {_joined(parts, [form] + [later] * (len(parts) - 1), rng)}"
+    text = _joined(parts, [form] + [later] * (len(parts) - 1), rng)
+    opener = pick(rng, _OPENERS) if " " in subject.text else ""
+    return _said(f"{opener}{subject.text} {text}", parts)
 
 
 def _single_sentence(group: Group, words: Together, rng: Chance) -> str:
@@ -144,36 +162,36 @@ def _single_sentence(group: Group, words: Together, rng: Chance) -> str:
     return " ".join(filter(None, (subject.text, said, ending)))
 
 
-def _fragment(groups: Sequence[Group], rng: Chance) -> str:
+def _fragment(groups: Sequence[Group], rng: Chance) -> Said:
     subject = nobody(rng)
     parts = [_together(group, subject, rng) for group in groups]
     text = _joined(parts, ["ing"] * len(parts), rng)
     if len(groups) == 1 and rng.random() < 0.1:
         text = " ".join(filter(None, (text, _as_if(groups[0], subject, rng))))
-    return text
+    return _said(text, parts)
 
 
-def _label(groups: Sequence[Group], rng: Chance) -> str:
+def _label(groups: Sequence[Group], rng: Chance) -> Said:
     subject = nobody(rng)
     if len(groups) == 1 and len(groups[0]) == 1 and rng.random() < 0.45:
         step = groups[0][0]
         noun = choose_phrase(step, "nouns", rng)
         if noun is not None:
-            return fill(noun.text, step, subject, rng)
+            return Said(fill(noun.text, step, subject, rng), Scene(((only_fields(step, noun.says),),)))
     parts = [_together(group, subject, rng) for group in groups]
     text = _joined(parts, ["base"] * len(parts), rng, plain=True)
     for possessive in (" their ", " his ", " her ", " the "):
         text = text.replace(possessive, " ") if rng.random() < 0.5 else text
-    return text
+    return _said(text, parts)
 
 
-def _part(groups: Sequence[Group], rng: Chance) -> str:
+def _part(groups: Sequence[Group], rng: Chance) -> Said:
     """A clause about one part of the body, or a fragment where the action has none."""
     step = pick(rng, groups[0])
     phrase = choose_phrase(step, "parts", rng)
     if phrase is None:
         return _fragment(((step,),), rng)
-    return fill(phrase.text, step, nobody(rng), rng)
+    return Said(fill(phrase.text, step, nobody(rng), rng), Scene(((only_fields(step, phrase.says),),)))
 
 
 def _shown(scene: Scene, rng: Chance) -> Sequence[Group]:
@@ -192,13 +210,14 @@ def _shown(scene: Scene, rng: Chance) -> Sequence[Group]:
     return groups
 
 
-def caption(scene: Scene, rng: Chance) -> str:
-    """One caption of `scene`."""
+def describe(scene: Scene, rng: Chance) -> Said:
+    """One caption of `scene`, with what of the scene it says."""
     groups = _shown(scene, rng)
     weights = _KIND_WEIGHTS_ONE if len(groups) == 1 else _KIND_WEIGHTS_MANY
     kind = pick_weighted(rng, _KINDS, weights)
     write = {"sentence": _sentence, "fragment": _fragment, "label": _label, "part": _part}[kind]
-    return sloppy(write(groups, rng), rng)
+    said = write(groups, rng)
+    return Said(sloppy(said.text, rng), said.scene)
 
 
 def captions(scene: Scene, rng: Chance, n: int, held_out: Callable[[str], bool] | None = None) -> list[str]:
@@ -222,7 +241,7 @@ def captions(scene: Scene, rng: Chance, n: int, held_out: Callable[[str], bool] 
     """
     found: list[str] = []
     for attempt in range(20 * n):
-        text = caption(scene, rng)
+        text = describe(scene, rng).text
         if held_out is not None and held_out(text):
             continue
         if text not in found or attempt > 8 * n:

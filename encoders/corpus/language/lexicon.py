@@ -34,7 +34,8 @@ from encoders.corpus.scene import Step
 FOLDER = Path(__file__).parent / "phrases"
 LIMBS = ("hand", "arm", "fist", "elbow", "shoulder", "foot", "leg", "knee", "hip", "heel", "wrist", "palm", "fingers")
 _SLOT = re.compile(r"\{(\w+)(?::([^}]+))?\}")
-_FIELDS = ("side", "direction", "speed", "amplitude", "count", "style", "height")
+#: The fields of a step that words can name, in the order in which they are drawn.
+FIELDS = ("side", "direction", "speed", "amplitude", "count", "style", "height")
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,7 @@ def _said_by_slots(text: str) -> set[str]:
 
 def _case(when: Mapping[str, Any], body: Mapping[str, Any]) -> Case:
     values = {name: tuple(v) if isinstance(v, list) else (str(v),) for name, v in when.items()}
-    unknown = set(values) - set(_FIELDS)
+    unknown = set(values) - set(FIELDS)
     if unknown:
         raise ValueError(f"phrases: no field {sorted(unknown)} in a step")
     said = {name for name, v in values.items() if len(v) == 1 and v[0]} | set(body.get("says", ()))

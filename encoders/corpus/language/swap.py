@@ -1,0 +1,65 @@
+"""Hard negatives: scenes that differ from a true one in a single thing that words can say.
+
+Bag-of-words models tell such pairs apart badly: the order of two steps, left and right, a direction, a count.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from encoders.corpus.language.choice import Chance, pick
+from encoders.corpus.programs import programs
+from encoders.corpus.scene import Scene, Step
+
+_OPPOSITE_SIDE = {"left": "right", "right": "left"}
+_OPPOSITE_DIRECTION = {
+    "forward": "backward", "backward": "forward", "left": "right", "right": "left", "up": "down", "down": "up",
+    "clockwise": "counterclockwise", "counterclockwise": "clockwise",
+    "forward-left": "forward-right", "forward-right": "forward-left",
+    "backward-left": "backward-right", "backward-right": "backward-left",
+}  # fmt: skip
+_OPPOSITE_SPEED = {"slow": "fast", "fast": "slow"}
+
+
+def _legal(step: Step) -> bool:
+    program = programs().get(step.action)
+    if program is None:
+        return False
+    counted = not step.count or (program.counts is not None and program.counts[0] <= step.count <= program.counts[1])
+    sided = not step.side or step.side in program.sides
+    return sided and counted and (not step.direction or step.direction in program.directions)
+
+
+def _changes(step: Step) -> list[Step]:
+    """The step with one field turned into what it is not."""
+    changed = []
+    if step.side in _OPPOSITE_SIDE:
+        changed.append(replace(step, side=_OPPOSITE_SIDE[step.side]))
+    if step.direction in _OPPOSITE_DIRECTION:
+        changed.append(replace(step, direction=_OPPOSITE_DIRECTION[step.direction]))
+    if step.count:
+        changed += [replace(step, count=step.count + more) for more in (-2, -1, 1, 2) if step.count + more > 0]
+    if step.speed in _OPPOSITE_SPEED:
+        changed.append(replace(step, speed=_OPPOSITE_SPEED[step.speed]))
+    return [other for other in changed if _legal(other)]
+
+
+def swaps(scene: Scene) -> list[Scene]:
+    """Every scene that differs from `scene` in one thing: two neighbouring groups exchanged, or one field turned."""
+    groups = scene.steps
+    found = []
+    for i in range(len(groups) - 1):
+        if groups[i] != groups[i + 1]:
+            found.append(Scene((*groups[:i], groups[i + 1], groups[i], *groups[i + 2 :])))
+    for i, group in enumerate(groups):
+        for j, step in enumerate(group):
+            for other in _changes(step):
+                changed = (*group[:j], other, *group[j + 1 :])
+                found.append(Scene((*groups[:i], changed, *groups[i + 1 :])))
+    return [other for other in found if other != scene]
+
+
+def swap(scene: Scene, rng: Chance) -> Scene | None:
+    """One of `swaps(scene)`; None where nothing can be swapped."""
+    options = swaps(scene)
+    return pick(rng, options) if options else None
