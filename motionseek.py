@@ -1,5 +1,17 @@
-"""motionseek: the search engine for human motion."""
+"""motionseek: the search engine for human motion.
 
+import motionseek
+motionseek.index("my_mocap")
+library = motionseek.open("my_mocap")
+for hit in library.search("a person limps to the left", k=5):
+    print(hit.score, hit.strength, hit.path, hit.start, hit.end)
+"""
+
+from __future__ import annotations
+
+from os import PathLike
+
+from encoders.bundle import Bundle
 from encoders.errors import (
     BundleError,
     BundleMismatch,
@@ -10,14 +22,47 @@ from encoders.errors import (
     UnreadableMotion,
 )
 from encoders.motion import Motion
+from indexer import load_motion as load
+from indexer.ingest import Summary, index
+from search.engine import SearchableLibrary as Library
+from search.hits import Hit, Step
+
+
+def open(folder: str | PathLike[str], *, bundle: Bundle | None = None) -> Library:
+    """Open the library of an indexed folder.
+
+    Parameters
+    ----------
+    folder : path
+        The indexed folder, or the library folder itself.
+    bundle : Bundle, optional
+        The model, where it is not the default one.
+
+    Raises
+    ------
+    LibraryError
+        If there is no library, or it cannot be read.
+    BundleMismatch
+        If the library was made with another model.
+    """
+    return Library.open(folder, bundle=bundle)
+
 
 __all__ = [
+    "Bundle",
     "BundleError",
     "BundleMismatch",
+    "Hit",
+    "Library",
     "LibraryError",
     "Motion",
     "MotionSeekError",
     "QueryError",
+    "Step",
+    "Summary",
     "UnknownRig",
     "UnreadableMotion",
+    "index",
+    "load",
+    "open",
 ]

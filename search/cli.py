@@ -1,0 +1,115 @@
+"""The command line: find the command, run it, turn errors into one line and an exit code.
+
+0 done, 1 the work failed, 2 wrong usage, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import sys
+from importlib import import_module
+
+import click
+
+from encoders.errors import MotionSeekError, QueryError
+
+#: Command -> the module that holds it, in the order help lists them; imported when asked for.
+COMMANDS = {
+    "index": "search.commands.index",
+    "search": "search.commands.search",
+    "moments": "search.commands.moments",
+    "describe": "search.commands.describe",
+    "similar": "search.commands.similar",
+    "segment": "search.commands.segment",
+    "export": "search.commands.export",
+    "status": "search.commands.status",
+    "model": "search.commands.model",
+    "demo": "search.commands.demo",
+}
+
+
+class Commands(click.Group):
+    """Commands that are imported when they are needed, with suggestions for a mistyped one."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = getattr(import_module(COMMANDS[cmd_name]), cmd_name)
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        name = args[0]
+        if name in COMMANDS or name.startswith("-"):
+            return super().resolve_command(ctx, args)
+        close = difflib.get_close_matches(name, COMMANDS, n=1)
+        hint = f"did you mean '{close[0]}'?" if close else f"the commands are {', '.join(COMMANDS)}"
+        raise click.UsageError(f"no command '{name}'; {hint}", ctx)
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="motionseek", message="%(prog)s %(version)s")
+@click.option("--debug", is_flag=True, help="Show the full traceback of an error.")
+def cli(debug: bool) -> None:
+    """The search engine for human motion: ask a folder of motion capture in a sentence.
+
+    \b
+    Examples:
+      motionseek index my_mocap/
+      motionseek search "a person limps to the left"
+      motionseek moments "sits down" long_take.bvh --plot sits.png
+      motionseek describe take_017.bvh
+    """
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line and exit with its code."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    debug = "--debug" in arguments
+    try:
+        code = cli.main(args=[a for a in arguments if a != "--debug"], prog_name="motionseek", standalone_mode=False)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # The reader has gone; point stdout away so that the interpreter's own flush stays quiet too.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 141
+    except (KeyboardInterrupt, click.Abort):
+        code = _complain("motionseek: interrupted", 130)
+    except click.ClickException as error:
+        code = _complain(_usage_line(error), error.exit_code)
+    except (MotionSeekError, OSError) as error:
+        if debug:
+            raise
+        code = _complain(f"motionseek: {_one_line(error)}", 2 if isinstance(error, QueryError) else 1)
+    except Exception as error:
+        if debug:
+            raise
+        code = _complain(
+            f"motionseek: unexpected {type(error).__name__}: {_one_line(error)}; "
+            "run again with --debug and report what it prints",
+            1,
+        )
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _complain(line: str, code: int) -> int:
+    click.echo(line, err=True)
+    return code
+
+
+def _usage_line(error: click.ClickException) -> str:
+    ctx = getattr(error, "ctx", None)
+    command = ctx.command_path if ctx else "motionseek"
+    message = _one_line(error.format_message()).rstrip(".")
+    return f"{command}: {message}; see '{command} --help'"
+
+
+def _one_line(error: object) -> str:
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror.lower()}" if error.filename else error.strerror.lower()
+    return " ".join(str(error).split())

@@ -1,0 +1,135 @@
+"""`motionseek index`: a folder becomes a library."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from search.commands import options
+
+if TYPE_CHECKING:
+    from indexer.ingest import Summary
+
+
+@click.command()
+@click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False))
+@click.option("--library", "library", type=click.Path(file_okay=False), help="Keep the library here, not in FOLDER.")
+@click.option("--jobs", type=click.IntRange(1, 256), help="Processes that read files; one a core if not given.")
+@click.option("--fps", type=click.FloatRange(1, 10_000), help="Frame rate of files that name none or a wrong one.")
+@click.option(
+    "--joint-map",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help='JSON file, {"left_wrist": "name in the rig", ...}, for rigs that are not recognised.',
+)
+@click.option("--rebuild", is_flag=True, help="Encode everything again, as after a change of the model.")
+@click.option("--retry", is_flag=True, help="Read files again that failed before.")
+@options.as_json
+def index(
+    folders: tuple[str, ...],
+    library: str | None,
+    jobs: int | None,
+    fps: float | None,
+    joint_map: Path | None,
+    rebuild: bool,
+    retry: bool,
+    as_json: bool,
+) -> int:
+    """Index the motion files in FOLDER and below; run again, and only what changed is read.
+
+    Captions are taken from a .txt file of the same name and from captions.csv, .tsv or .jsonl in FOLDER. Exits with 1
+    if a file could not be read; the others are indexed all the same.
+
+    \b
+    Examples:
+      motionseek index my_mocap/
+      motionseek index shoot_a/ shoot_b/ --library team_library --jobs 8
+      motionseek index old_rigs/ --joint-map names.json --retry
+    """
+    from indexer import ingest
+    from search import terminal
+    from search.locate import VARIABLE
+
+    library = library or os.environ.get(VARIABLE)
+    names = read_joint_map(joint_map) if joint_map else None
+    with progress_bar() as progress:
+        summary = ingest.index(
+            folders,
+            library=library,
+            jobs=jobs,
+            fps=fps,
+            joint_map=names,
+            retry=retry,
+            rebuild=rebuild,
+            progress=progress,
+        )
+    if as_json:
+        failed = [{"path": path, "reason": reason} for path, reason in summary.failed]
+        terminal.document(asdict(summary) | {"failed": failed, "seconds": round(summary.seconds, 2)})
+    else:
+        report(summary)
+    return 130 if summary.interrupted else int(bool(summary.failed or summary.failed_before))
+
+
+def read_joint_map(path: Path) -> dict[str, str]:
+    """Target joint -> joint name in the rig, from a JSON file."""
+    import json
+
+    from encoders.skeleton import JOINTS
+
+    try:
+        names = json.loads(path.read_text("utf-8-sig"))
+    except (ValueError, OSError) as error:
+        raise click.ClickException(f"{path} is no JSON file: {error}") from None
+    if not isinstance(names, dict) or not all(isinstance(name, str) for name in names.values()):
+        raise click.ClickException(f'{path} must hold one JSON object such as {{"left_wrist": "LeftHand"}}')
+    unknown = sorted(set(names) - set(JOINTS))
+    if unknown:
+        raise click.ClickException(f"{path}: no target joint {', '.join(unknown)}; there are {', '.join(JOINTS)}")
+    return names
+
+
+@contextmanager
+def progress_bar() -> Iterator[Callable[[int, int, str], None]]:
+    """A bar with rate and time left on a terminal; nothing elsewhere."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
+        task = shown.add_task("", total=None, rate="")
+
+        def update(done: int, total: int, path: str) -> None:
+            speed = shown.tasks[0].speed
+            shown.update(task, completed=done, total=total, rate=f"{speed:.1f} files/s" if speed else "")
+
+        yield update
+
+
+def report(summary: Summary) -> None:
+    """Print what a run did: failures and warnings on stderr, the sum on stdout."""
+    from search import terminal
+
+    for path, reason in summary.failed:
+        terminal.note(f"failed: {path}: {reason}")
+    for warning in summary.warnings:
+        terminal.note(f"warning: {warning}")
+    if summary.failed_before:
+        terminal.note(
+            f"{summary.failed_before} files failed before and have not changed; see 'motionseek status --failed'"
+        )
+    counts = {
+        "indexed": summary.indexed,
+        "unchanged": summary.unchanged,
+        "moved": summary.moved,
+        "gone": summary.gone,
+        "failed": len(summary.failed),
+    }
+    said = ", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no motion files found"
+    print(f"{said} ({summary.seconds:.1f} s)")

@@ -1,0 +1,79 @@
+"""`motionseek moments`: where in a take, or anywhere in the library, it happens."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import click
+
+from search.commands import options
+
+
+@click.command()
+@click.argument("sentence", required=False)
+@click.argument("ref", metavar="[CLIP]", required=False)
+@click.option("--then", "steps", metavar="SENTENCE", multiple=True, help="A step; give one for each, in order.")
+@click.option("--while", "meanwhile", metavar="SENTENCE", multiple=True, help="What happens at the same time.")
+@click.option("--no-split", is_flag=True, help="Take SENTENCE as one step even if it says 'then'.")
+@click.option("--plot", type=click.Path(dir_okay=False, path_type=Path), help="Draw similarity over time to this PNG.")
+@options.force
+@options.hits
+@options.filters
+@options.library
+@options.as_json
+def moments(
+    sentence: str | None,
+    ref: str | None,
+    steps: tuple[str, ...],
+    meanwhile: tuple[str, ...],
+    no_split: bool,
+    plot: Path | None,
+    force: bool,
+    k: int,
+    folder: str | None,
+    as_json: bool,
+    **filters: Any,
+) -> None:
+    """Find the moments in CLIP, or without CLIP in the whole library, where SENTENCE happens.
+
+    CLIP is a file, indexed or not, or a clip of the library by path, name or #id. A sentence in steps ("walks, then
+    sits down, then waves") is found as spans that follow one another.
+
+    \b
+    Examples:
+      motionseek moments "sits down" long_take.bvh --plot sits.png
+      motionseek moments "a person jumps" -k 20
+      motionseek moments "walks forward, then sits down, then waves" long_take.bvh
+      motionseek moments --then "walks" --then "sits down" long_take.bvh
+      motionseek moments "walks" --while "raises the right arm" long_take.bvh
+    """
+    from search import terminal
+    from search.question import Question
+
+    if steps and ref is None:
+        sentence, ref = None, sentence
+    question = Question.of(sentence, steps, meanwhile, split_steps=not no_split)
+    if plot is not None:
+        if ref is None:
+            raise click.UsageError("--plot needs a CLIP whose similarity to draw")
+        options.refuse_overwriting(plot, force)
+    if ref is None:
+        with options.open_library(folder) as library:
+            found = library.answer(question, None, k, **filters)
+        terminal.answer(question, found, as_json=as_json)
+        return
+
+    from search.takes import curves, moments_in
+
+    with options.open_source(ref, folder) as (bundle, source, _):
+        found = moments_in(bundle, source, question, k)
+        times, similarity = curves(bundle, source.motion, question.encode(bundle))
+    if plot is not None:
+        from search.render import plot_moments
+
+        plot_moments(plot, question, source, found, times, similarity)
+    terminal.answer(question, found, (times, similarity), as_json=as_json, width=shutil.get_terminal_size().columns)
+    if plot is not None:
+        terminal.note(f"wrote {plot}")

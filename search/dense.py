@@ -1,0 +1,102 @@
+"""Windows of a take encoded densely and compared with queries, in bounded memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vectors = NDArray[np.float32]
+Frames = NDArray[np.int64]
+
+#: Windows whose vectors are held at once.
+_CHUNK = 4096
+
+
+class Encoder(Protocol):
+    """What dense search asks of a model bundle."""
+
+    def encode_windows(self, features: Vectors, starts: NDArray[np.integer], length: int) -> Vectors:
+        """Unit vectors (N, D) of the windows ``features[start : start + length]``."""
+
+
+@dataclass(frozen=True)
+class Scored:
+    """Windows of a take, most often of one length, and their similarity to each query.
+
+    Attributes
+    ----------
+    starts, ends : float64 arrays (N,)
+        Seconds.
+    scores : float32 array (Q, N)
+    """
+
+    starts: NDArray[np.float64]
+    ends: NDArray[np.float64]
+    scores: Vectors
+
+    @property
+    def lengths(self) -> NDArray[np.float64]:
+        """Seconds (N,)."""
+        return self.ends - self.starts
+
+
+def join(parts: list[Scored]) -> Scored:
+    """All windows of all parts."""
+    return Scored(
+        np.concatenate([p.starts for p in parts]),
+        np.concatenate([p.ends for p in parts]),
+        np.concatenate([p.scores for p in parts], axis=1),
+    )
+
+
+def score_windows(
+    encoder: Encoder, features: Vectors, fps: float, starts: Frames, length: int, queries: Vectors
+) -> Scored:
+    """Windows of one length compared with queries.
+
+    Parameters
+    ----------
+    features : float32 array (T', F)
+        Of the whole take.
+    fps : float
+        Feature frames a second.
+    starts : int64 array (N,)
+        First feature frames.
+    length : int
+        Feature frames.
+    queries : float32 array (Q, D)
+        Unit vectors.
+    """
+    scores = np.empty((len(queries), len(starts)), np.float32)
+    for first in range(0, len(starts), _CHUNK):
+        chunk = slice(first, first + _CHUNK)
+        scores[:, chunk] = queries @ encoder.encode_windows(features, starts[chunk], length).T
+    return Scored(starts / fps, (starts + length) / fps, scores)
+
+
+def every(frames: int, length: int, stride: int = 1) -> Frames:
+    """Starts of windows of one length over a take of so many frames, the last flush with its end."""
+    last = max(frames - length, 0)
+    starts = np.arange(0, last + 1, max(stride, 1), dtype=np.int64)
+    return starts if starts[-1] == last else np.append(starts, last)
+
+
+def curve(windows: Scored, times: NDArray[np.float64]) -> Vectors:
+    """Similarity over time, (Q, T): that of the window centred at each time, interpolated between the centres.
+
+    Parameters
+    ----------
+    windows : Scored
+        Of one length, in order.
+    times : float64 array (T,)
+        Seconds.
+    """
+    centres = (windows.starts + windows.ends) / 2
+    at = np.clip(np.searchsorted(centres, times), 1, max(len(centres) - 1, 1))
+    low, high = at - 1, np.minimum(at, len(centres) - 1)
+    weight = np.clip((times - centres[low]) / np.maximum(centres[high] - centres[low], 1e-9), 0, 1)
+    blended: Vectors = (windows.scores[:, low] * (1 - weight) + windows.scores[:, high] * weight).astype(np.float32)
+    return blended

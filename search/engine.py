@@ -1,0 +1,180 @@
+"""A library that can be asked: search, moments, describe, similar."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from os import PathLike
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.errors import QueryError
+from encoders.motion import Motion
+from indexer.library import Clip, Library
+from search.dense import Vectors
+from search.evidence import Evidence, best_evidence, likeliest
+from search.filters import Filters
+from search.hits import Hit, Step
+from search.moments import Moment
+from search.question import Question
+from search.source import Source, find_clip, find_source
+from search.strength import judge
+from search.takes import caption, describe_motion, find, moments_in
+
+Ref: TypeAlias = "str | PathLike[str] | Motion"
+Ids = NDArray[np.int64]
+
+#: Clips looked at closely when the whole library is asked for moments, for each answer asked for.
+_REFINED = 2
+
+
+class SearchableLibrary(Library):
+    """An indexed folder that answers questions.
+
+    Every question takes the fields of `search.filters.Filters` as keyword arguments and answers with at most `k` hits,
+    best first. A `ref` is a motion, a file, or a clip of the library by path, name or "#id".
+    """
+
+    def search(self, text: str, k: int = 10, **filters: Any) -> list[Hit]:
+        """The clips that fit a sentence best, each with the span that does.
+
+        Raises
+        ------
+        QueryError
+            If the sentence is empty or a filter makes no sense.
+        """
+        query = Question.of(text, split_steps=False).encode(self.bundle)[0]
+        return self._clip_hits(query, k, self.allowed(**filters), asked="sentence")
+
+    def moments(
+        self,
+        text: str | None,
+        ref: Ref | None = None,
+        k: int = 10,
+        *,
+        then: Sequence[str] = (),
+        meanwhile: Sequence[str] = (),
+        **filters: Any,
+    ) -> list[Hit]:
+        """Where a sentence happens: in one motion, or anywhere in the library.
+
+        Parameters
+        ----------
+        then : sequence of str
+            Steps that follow, where the sentence does not say them itself ("walks, then sits down").
+        meanwhile : sequence of str
+            What happens at the same time.
+
+        Raises
+        ------
+        QueryError
+            If the sentence is empty.
+        UnreadableMotion, LibraryError
+            If `ref` names nothing that can be read.
+        """
+        return self.answer(Question.of(text, then, meanwhile), ref, k, **filters)
+
+    def answer(self, question: Question, ref: Ref | None = None, k: int = 10, **filters: Any) -> list[Hit]:
+        """The moments that answer a question, in one motion or anywhere in the library; see `moments`."""
+        if ref is not None:
+            return moments_in(self.bundle, self.source(ref), question, k)
+        queries, allowed = question.encode(self.bundle), self.allowed(**filters)
+        return self._moment_hits(question, queries, k, allowed)
+
+    def describe(self, ref: Ref, k: int = 5) -> list[tuple[str, float]]:
+        """The sentences that fit a motion best: the library's captions and the shipped vocabulary."""
+        texts, _, vectors = self.caption_vectors()
+        return describe_motion(self.bundle, self.source(ref).motion, k, texts, vectors)
+
+    def similar(
+        self,
+        ref: Ref,
+        k: int = 10,
+        start: float | None = None,
+        end: float | None = None,
+        *,
+        moments: bool = False,
+        **filters: Any,
+    ) -> list[Hit]:
+        """The clips, or with `moments` the spans, most like a motion or a cut of it; never from the clip itself.
+
+        Raises
+        ------
+        QueryError
+            If the cut lies outside the motion.
+        """
+        source = self.source(ref)
+        vector = self.bundle.encode_motions([source.cut(start, end)])[0]
+        allowed = self.allowed(**filters)
+        if source.clip_id >= 0:
+            allowed = np.setdiff1d(self.ids() if allowed is None else allowed, [source.clip_id])
+        is_cut = start is not None or end is not None
+        if moments:
+            return self._moment_hits(Question((source.path,)), vector[None], k, allowed, asked="motion")
+        return self._clip_hits(vector, k, allowed, asked="motion", windows=is_cut)
+
+    def source(self, ref: Ref) -> Source:
+        """What a reference names.
+
+        Raises
+        ------
+        UnreadableMotion, LibraryError
+            If it names nothing that can be read.
+        """
+        return Source("", None, ref) if isinstance(ref, Motion) else find_source(ref, self)
+
+    def known(self, ref: str | PathLike[str]) -> Clip | None:
+        """The clip a reference names, or None for a file that is not in the library."""
+        return find_clip(self, ref)
+
+    def allowed(self, **filters: Any) -> Ids | None:
+        """The clips that pass the filters, as sorted ids; None for all.
+
+        Raises
+        ------
+        QueryError
+            If there is no such filter, or its value makes no sense.
+        """
+        unknown = sorted(set(filters) - set(Filters.__dataclass_fields__))
+        if unknown:
+            raise QueryError(f"no filter {', '.join(unknown)}; there are {', '.join(Filters.__dataclass_fields__)}")
+        condition, values = Filters(**filters).where()
+        return self.ids(condition, values) if condition else None
+
+    def _clip_hits(self, query: Vectors, k: int, allowed: Ids | None, *, asked: str, windows: bool = True) -> list[Hit]:
+        evidence = best_evidence(self, query, k, allowed=allowed, windows=windows)
+        strengths = judge(self.bundle, query, [e.score for e in evidence], asked=asked)
+        clips = self.clips([e.clip_id for e in evidence])
+        return [
+            self._hit(rank, clips[e.clip_id], _span(e, clips[e.clip_id].duration), strength)
+            for rank, (e, strength) in enumerate(zip(evidence, strengths, strict=True), start=1)
+        ]
+
+    def _moment_hits(
+        self, question: Question, queries: Vectors, k: int, allowed: Ids | None, *, asked: str = "sentence"
+    ) -> list[Hit]:
+        """The best spans over all clips: windows choose the clips, a close look at each the spans."""
+        clips = self.clips(likeliest(self, queries, _REFINED * k, allowed=allowed))
+        found = [
+            (moment, clip, steps)
+            for clip in clips.values()
+            for moment, steps in find(self.bundle, Source.of_clip(self, clip), question, queries, k)
+        ]
+        best = sorted(found, key=lambda entry: -entry[0].score)[:k]
+        strengths = judge(self.bundle, queries.mean(axis=0), [moment.score for moment, *_ in best], asked=asked)
+        return [
+            self._hit(rank, clip, moment, strength, steps)
+            for rank, ((moment, clip, steps), strength) in enumerate(zip(best, strengths, strict=True), start=1)
+        ]
+
+    def _hit(self, rank: int, clip: Clip, moment: Moment, strength: str, steps: tuple[Step, ...] = ()) -> Hit:
+        end = min(moment.end, clip.duration)
+        said = caption(self.captions(clip.id), moment)
+        return Hit(rank, clip.path, moment.score, strength, moment.start, end, clip.duration, said, clip.id, steps)
+
+
+def _span(evidence: Evidence, duration: float) -> Moment:
+    if evidence.start is None or evidence.end is None:
+        return Moment(0.0, duration, evidence.score)
+    return Moment(evidence.start, evidence.end, evidence.score)

@@ -1,0 +1,32 @@
+"""Which library a command means."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from encoders.errors import LibraryError
+
+FOLDER = ".motionseek"
+VARIABLE = "MOTIONSEEK_LIBRARY"
+
+
+def locate(given: str | os.PathLike[str] | None = None, *, start: Path | None = None) -> Path:
+    """The library's folder: the one given, that of MOTIONSEEK_LIBRARY, or the nearest `.motionseek` upward.
+
+    Raises
+    ------
+    LibraryError
+        If there is none.
+    """
+    named = given or os.environ.get(VARIABLE)
+    if named:
+        return Path(named)
+    here = (start or Path.cwd()).resolve()
+    for folder in (here, *here.parents):
+        if (folder / FOLDER).is_dir():
+            return folder
+    raise LibraryError(
+        f"no library in {here} or above it; make one with 'motionseek index FOLDER', "
+        f"or name one with --library or {VARIABLE}"
+    )
