@@ -133,6 +133,11 @@ def acted(
     return register
 
 
+def moved(place: ArrayLike, outward: float, upward: float, forward: float) -> Array:
+    """A place shifted."""
+    return np.asarray(np.asarray(place, np.float64) + np.array([outward, upward, forward]))
+
+
 def grip(across: float, up: float, ahead: float, apart: float = 0.06) -> dict[str, ArrayLike]:
     """Both hands on one handle: `across` from the middle of the body to the leading side, in arm lengths."""
     return {

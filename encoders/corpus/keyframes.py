@@ -49,7 +49,7 @@ class Key:
     channels: dict[str, ArrayLike]
 
 
-def key(seconds: float, hold: float = 0.0, **channels: ArrayLike) -> Key:
+def key(seconds: float, hold: float = 0.0, /, **channels: ArrayLike) -> Key:
     """A key pose; see the module for the channels."""
     return Key(seconds, hold, channels)
 
