@@ -65,11 +65,9 @@ class Galleries:
         elif index.generation < generation:
             changed = connection.execute("SELECT id FROM clips WHERE generation > ?", (index.generation,))
             remove = np.array([row[0] for row in changed], np.int64)
-            index = index.update(
-                generation, remove=remove, add=_rows(connection, kind, model_id, index.generation, size)
-            )
-            if index.compact:
-                index = self._saved(kind, model, index)
+            added = _rows(connection, kind, model_id, index.generation, size)
+            caught_up = index.update(generation, remove=remove, add=added)
+            index = caught_up if caught_up.shares_block(index) else self._saved(kind, model, caught_up)
         self._held[kind.name] = (model, index)
         return index
 

@@ -2,35 +2,37 @@
 
 from __future__ import annotations
 
-import json
+import os
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from hashlib import blake2b
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from encoders.errors import LibraryError, UnreadableMotion
+from encoders.errors import LibraryError
 from encoders.motion import Motion
-from indexer import load_motion
+from indexer import side_files
+from indexer.changes import Changes, compare
 from indexer.encode import encode
-from indexer.library import FOLDER, Library
+from indexer.library import FILE, FOLDER, Library
+from indexer.pool import Read, Request, read_all
 from indexer.readers import READABLE
-from indexer.scan import MOTION_LIKE, SKELETONS, content_hash, walk
-from indexer.writer import GONE, INDEXED, Known, Source, Writer, writing
+from indexer.reencode import reencode
+from indexer.scan import walk
+from indexer.side_files import Synced
+from indexer.writer import INDEXED, Source, Writer, writing
 
 if TYPE_CHECKING:
     from encoders.bundle import Bundle
 
+__all__ = ["Progress", "Summary", "index", "reencode"]
+
 #: Called with how many files are done, how many there are to do, and the path of the last one.
 Progress = Callable[[int, int, str], None]
 
-#: Stored frames (20 a second) and clips a batch holds at most; one long take may be a batch of its own.
-_BATCH_FRAMES, _BATCH_CLIPS = 40_000, 64
-
-#: Changes when a file would be read differently than before, so that all are read again.
-_READING = 1
+#: Stored frames (20 a second) and files in a batch; a long take is a batch of its own.
+_BATCH_FRAMES, _BATCH_FILES = 12_000, 64
 
 
 @dataclass
@@ -43,12 +45,14 @@ class Summary:
         Files: read and encoded, as they were, found elsewhere, vanished.
     failed : list of (path, reason)
         Files tried in this run that cannot be read.
+    seconds : float
+        How long it took.
     failed_before : int
-        Files among the unchanged that could not be read last time either.
+        Files among the unchanged that could not be read when they were tried.
     warnings : list of str
-        What was passed over.
+        What was passed over, and why.
     interrupted : bool
-        Whether the run was ended early; what was done is kept.
+        Whether Ctrl-C ended the run early; what was done is kept.
     """
 
     indexed: int = 0
@@ -64,11 +68,10 @@ class Summary:
 
 @dataclass(frozen=True)
 class _Task:
-    """A file to be read."""
+    """A file to be read: where it lies, and what the library will know of it."""
 
     root: Path
     source: Source
-    fps: float | None
 
     @property
     def path(self) -> Path:
@@ -88,22 +91,24 @@ def index(
 ) -> Summary:
     """Bring the library of one or several folders up to date.
 
+    What is done is kept whenever it ends: at Ctrl-C it returns early, and killed it loses the batch in flight.
+
     Parameters
     ----------
     roots : path or paths
-        Folders to index.
+        Folders to index; with `library`, none means those it already has.
     library : path, optional
         The library folder; by default `.motionseek` in the folder, so it must be named for several.
     bundle : Bundle, optional
         The model; the default one if not given.
     jobs : int, optional
-        Worker processes that read; by default one a core.
+        Processes that read; by default one a core.
     fps : float, optional
-        Frame rate of files that name none or a wrong one.
+        Frame rate of the files, where they say none or a wrong one; a captions table's goes before it.
     joint_map : mapping, optional
         Target joint to joint name in the files.
     retry : bool
-        Read files again that failed before, though they have not changed.
+        Read unchanged files again that could not be read before.
     progress : callable, optional
         See `Progress`.
 
@@ -115,8 +120,7 @@ def index(
         If the library holds the vectors of another model.
     """
     began = time.monotonic()
-    folders = _folders(roots)
-    place = _place(folders, library)
+    place, folders = _places(roots, library)
     if bundle is None:
         from encoders.bundle import Bundle
 
@@ -125,54 +129,46 @@ def index(
     with writing(place) as writer:
         with writer.batch():
             model_id = writer.use_model(bundle)
-            keys = {folder: writer.root(folder) for folder in folders}
-        tasks: list[_Task] = []
-        vanished: list[Known] = []
-        map_ = dict(joint_map or {})
-        for folder, key in keys.items():
-            tasks += _compare(writer, folder, key, fps, map_, retry, summary, vanished)
-        with writer.batch():
-            writer.gone(known.id for known in vanished)
-        summary.gone = sum(known.state == INDEXED for known in vanished)
-        done = 0
-        for batch in _batches(_read(tasks, map_)):
-            good = [(task, read) for task, read in batch if isinstance(read, Motion)]
-            encoded = encode(bundle, [motion for _, motion in good])
-            with writer.batch():
-                for (task, motion), vectors in zip(good, encoded, strict=True):
-                    writer.add(task.source, motion, "", vectors, model_id)
-                for task, read in batch:
-                    if not isinstance(read, Motion):
-                        writer.fail(task.source, read)
-                        summary.failed.append((str(task.path), read))
-            summary.indexed += len(good)
-            done += len(batch)
-            if progress is not None:
-                progress(done, len(tasks), str(batch[-1][0].path))
+            keys = {writer.root(folder): folder for folder in folders}
+        synced: dict[int, Synced] = {}
+        requests: list[Request[_Task]] = []
+        for key, folder in keys.items():
+            synced[key], changes = _look(writer, folder, key, fps, dict(joint_map or {}), retry, summary)
+            requests += [
+                Request(_Task(folder, source), folder / source.file.path, rate, dict(joint_map or {}))
+                for source, rate in changes.read
+            ]
+        _read_and_encode(writer, bundle, model_id, requests, jobs or os.cpu_count() or 1, summary, progress)
+        for key, folder in keys.items():
+            summary.warnings += side_files.unmatched(writer.connection, folder, synced[key])
+        side_files.encode_texts(writer, bundle, model_id)
     with Library.open(place, bundle=bundle) as made:
         made.prepare()
     summary.seconds = time.monotonic() - began
     return summary
 
 
-def _folders(roots: str | PathLike[str] | Iterable[str | PathLike[str]]) -> list[Path]:
+def _places(
+    roots: str | PathLike[str] | Iterable[str | PathLike[str]], library: str | PathLike[str] | None
+) -> tuple[Path, list[Path]]:
+    """The library folder and the folders to index."""
     given = [roots] if isinstance(roots, (str, PathLike)) else list(roots)
+    if library is None and len(given) != 1:
+        raise LibraryError(f"{len(given)} folders need one library; name it with --library DIR")
+    place = Path(given[0], FOLDER) if library is None else Path(library)
+    if library is not None and not (place / FILE).is_file() and (place / FOLDER / FILE).is_file():
+        place /= FOLDER
+    if not given:
+        with Library.open(place) as known:
+            given = list(known.roots)
     folders = list(dict.fromkeys(Path(folder).resolve() for folder in given))
     for folder in folders:
         if not folder.is_dir():
-            raise LibraryError(f"{folder}: no such folder; nothing is changed (is its drive there?)")
-    return folders
+            raise LibraryError(f"{folder}: no such folder, so nothing was changed; is its drive connected?")
+    return place.resolve(), folders
 
 
-def _place(folders: list[Path], library: str | PathLike[str] | None) -> Path:
-    if library is not None:
-        return Path(library).resolve()
-    if len(folders) != 1:
-        raise LibraryError(f"{len(folders)} folders need one library; name it with --library DIR")
-    return folders[0] / FOLDER
-
-
-def _compare(
+def _look(
     writer: Writer,
     root: Path,
     root_id: int,
@@ -180,61 +176,80 @@ def _compare(
     joint_map: Mapping[str, str],
     retry: bool,
     summary: Summary,
-    vanished: list[Known],
-) -> list[_Task]:
-    """What is to be read; what is where it was or has moved is noted at once."""
-    recipe = _recipe(fps, joint_map)
-    known = writer.known(root_id)
-    tasks = []
-    for file in walk(root, summary.warnings.append):
-        if file.ending in SKELETONS or (file.ending not in READABLE and file.ending not in MOTION_LIKE):
-            continue
-        old = known.pop(file.path, None)
-        if old is not None and old.recipe == recipe and not (retry and old.state != INDEXED):
-            same = (old.size, old.mtime_ns) == (file.size, file.mtime_ns)
-            if same or content_hash([root / file.path]) == old.hash:
-                if not same:
-                    with writer.batch():
-                        writer.touch(old.id, file)
-                summary.unchanged += 1
-                summary.failed_before += old.state != INDEXED
-                continue
-        digest = content_hash([root / file.path])
-        source = Source(root_id, file, digest, recipe)
-        if old is None:
-            moved = [row for row in writer.same_content(digest, recipe) if row[3] == GONE or row[2] in known]
-            if moved:
-                with writer.batch():
-                    writer.move(moved[0][0], root_id, file)
-                known.pop(moved[0][2], None)
-                summary.moved += 1
-                continue
-        tasks.append(_Task(root, source, fps))
-    vanished += known.values()
-    return tasks
+) -> tuple[Synced, Changes]:
+    """Walk one folder; captions, moves and losses are noted at once, what is to be read is returned."""
+    try:
+        folders = list(walk(root, summary.warnings.append))
+    except OSError as error:
+        raise LibraryError(f"{root}: cannot be listed ({error.strerror}), so nothing was changed") from error
+    if not writer.folder.is_relative_to(root) and not any(folder.files for folder in folders) and writer.known(root_id):
+        raise LibraryError(f"{root}: is empty, so nothing was changed; is its drive connected?")
+    motions = {folder.path: folder.motions(READABLE) for folder in folders}
+    beside = [pair for folder in folders for pair in folder.side_files(motions[folder.path])]
+    with writer.batch():
+        synced = side_files.sync(writer.connection, root, root_id, beside, summary.warnings.append)
+        changes = compare(
+            writer,
+            root,
+            root_id,
+            folders,
+            [file for files in motions.values() for file in files],
+            fps=fps,
+            rates=side_files.rates(writer.connection, root_id, synced),
+            joint_map=joint_map,
+            retry=retry,
+        )
+        writer.note(changes)
+        side_files.forget(writer.connection, synced.vanished)
+    summary.unchanged += changes.unchanged
+    summary.failed_before += changes.failed_before
+    summary.moved += len(changes.moved)
+    summary.gone += sum(known.state == INDEXED for known in changes.gone)
+    summary.failed += [(str(root / source.file.path), reason) for source, reason in changes.unreadable]
+    return synced, changes
 
 
-def _recipe(fps: float | None, joint_map: Mapping[str, str]) -> str:
-    said = json.dumps([_READING, fps, sorted(joint_map.items())])
-    return blake2b(said.encode(), digest_size=8).hexdigest()
+def _read_and_encode(
+    writer: Writer,
+    bundle: Bundle,
+    model_id: int,
+    requests: list[Request[_Task]],
+    jobs: int,
+    summary: Summary,
+    progress: Progress | None,
+) -> None:
+    batch: list[tuple[_Task, Read]] = []
+    done = 0
+
+    def commit() -> None:
+        nonlocal done
+        _commit(writer, bundle, model_id, batch, summary)
+        done += len(batch)
+        if progress is not None and batch:
+            progress(done, len(requests), str(batch[-1][0].path))
+        batch.clear()
+
+    if progress is not None:
+        progress(0, len(requests), "")
+    try:
+        for task, read in read_all(requests, min(jobs, max(len(requests), 1))):
+            batch.append((task, read))
+            if len(batch) >= _BATCH_FILES or sum(len(read.motion or ()) for _, read in batch) >= _BATCH_FRAMES:
+                commit()
+    except KeyboardInterrupt:
+        summary.interrupted = True
+    commit()
 
 
-def _read(tasks: Iterable[_Task], joint_map: dict[str, str]) -> Iterator[tuple[_Task, Motion | str]]:
-    for task in tasks:
-        try:
-            yield task, load_motion(task.path, fps=task.fps, joint_map=joint_map or None)
-        except UnreadableMotion as error:
-            yield task, error.reason
-
-
-def _batches(read: Iterable[tuple[_Task, Motion | str]]) -> Iterator[list[tuple[_Task, Motion | str]]]:
-    batch: list[tuple[_Task, Motion | str]] = []
-    frames = 0
-    for item in read:
-        batch.append(item)
-        frames += len(item[1]) if isinstance(item[1], Motion) else 0
-        if frames >= _BATCH_FRAMES or len(batch) >= _BATCH_CLIPS:
-            yield batch
-            batch, frames = [], 0
-    if batch:
-        yield batch
+def _commit(writer: Writer, bundle: Bundle, model_id: int, batch: list[tuple[_Task, Read]], summary: Summary) -> None:
+    """Encode what was read and write it down with what could not be, as one transaction."""
+    good: list[tuple[_Task, Motion, str]] = [(task, read.motion, read.rig) for task, read in batch if read.motion]
+    bad = [(task, read.reason) for task, read in batch if read.motion is None]
+    encoded = encode(bundle, [motion for _, motion, _ in good])
+    with writer.batch():
+        for (task, motion, rig), vectors in zip(good, encoded, strict=True):
+            writer.add(task.source, motion, rig, vectors, model_id)
+        for task, reason in bad:
+            writer.fail(task.source, reason)
+    summary.indexed += len(good)
+    summary.failed += [(str(task.path), reason) for task, reason in bad]

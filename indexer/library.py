@@ -5,7 +5,6 @@ from __future__ import annotations
 import sqlite3
 import threading
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from os import PathLike, fspath
 from pathlib import Path, PurePosixPath
 from types import TracebackType
@@ -17,7 +16,9 @@ from numpy.typing import NDArray
 from encoders.errors import BundleMismatch, LibraryError
 from encoders.motion import FPS, Motion
 from indexer import poses, schema
+from indexer.clips import LIVE, Caption, Clip, select
 from indexer.gallery import CLIPS, WINDOWS, Galleries
+from indexer.stats import stats
 from indexer.windows import Windows
 
 if TYPE_CHECKING:
@@ -29,62 +30,7 @@ if TYPE_CHECKING:
 FOLDER = ".motionseek"
 FILE = "library.sqlite"
 
-_LIVE = "FROM clips JOIN files ON files.id = clips.file_id WHERE files.state = 'indexed'"
-_COLUMNS = (
-    "clips.id, files.path, files.root_id, clips.name, clips.duration, clips.fps, clips.frames, clips.format, "
-    "clips.rig, clips.added"
-)
 _VARIABLES = 500  # a statement takes only so many values
-
-
-@dataclass(frozen=True)
-class Clip:
-    """A motion of the library.
-
-    Attributes
-    ----------
-    path : str
-        Relative to `root`, with forward slashes.
-    root : Path
-        The indexed folder it lies in.
-    name : str
-        The file's name without its ending.
-    duration : float
-        Seconds.
-    fps, frames : float, int
-        Of the stored motion.
-    format : str
-        The file's ending, without the dot.
-    rig : str
-        What the reader called the skeleton; empty where it said nothing.
-    added : str
-        When it was first indexed, UTC, ISO 8601.
-    """
-
-    id: int
-    path: str
-    root: Path
-    name: str
-    duration: float
-    fps: float
-    frames: int
-    format: str
-    rig: str
-    added: str
-
-    @property
-    def file(self) -> Path:
-        """The source file."""
-        return self.root / self.path
-
-
-@dataclass(frozen=True)
-class Caption:
-    """What is said of a clip, or of the span from `start` to `end` in seconds."""
-
-    text: str
-    start: float | None = None
-    end: float | None = None
 
 
 class Library:
@@ -199,12 +145,12 @@ class Library:
         return {key: (self.folder / path).resolve() for key, path in rows}
 
     def __len__(self) -> int:
-        return int(self.connection.execute(f"SELECT count(*) {_LIVE}").fetchone()[0])
+        return int(self.connection.execute(f"SELECT count(*) {LIVE}").fetchone()[0])
 
     def ids(self, where: str = "", values: Sequence[Any] = ()) -> NDArray[np.int64]:
         """Sorted ids of the clips that meet an SQL condition on the columns of `clips` and `files`, values bound."""
         condition = f" AND ({where})" if where else ""
-        rows = self.connection.execute(f"SELECT clips.id {_LIVE}{condition} ORDER BY clips.id", values)
+        rows = self.connection.execute(f"SELECT clips.id {LIVE}{condition} ORDER BY clips.id", values)
         return np.array([row[0] for row in rows], np.int64)
 
     def clip(self, id: int) -> Clip:
@@ -231,9 +177,7 @@ class Library:
         return found
 
     def _select(self, condition: str, values: Sequence[Any]) -> list[Clip]:
-        roots = self._roots()
-        rows = self.connection.execute(f"SELECT {_COLUMNS} {_LIVE} AND {condition} ORDER BY clips.id", values)
-        return [Clip(id_, path, roots[root], *rest) for id_, path, root, *rest in rows]
+        return select(self.connection, self._roots(), condition, values)
 
     def find(self, ref: str | PathLike[str]) -> Clip:
         """The clip that is meant: "#12", a path from a root, an absolute path, or a name that only one clip has.
@@ -359,32 +303,8 @@ class Library:
         return [(str(roots[root] / path), reason) for root, path, reason in rows]
 
     def stats(self) -> dict[str, Any]:
-        """What the library holds, in numbers."""
-        db = self.connection
-        model = self._model()
-        clips, seconds = db.execute(f"SELECT count(*), total(clips.duration) {_LIVE}").fetchone()
-        states = dict(db.execute("SELECT state, count(*) FROM files GROUP BY state").fetchall())
-        captions = db.execute(f"SELECT count(*) {_LIVE.replace('WHERE', _CAPTIONED)}").fetchone()[0]
-        formats = dict(db.execute(f"SELECT clips.format, count(*) {_LIVE} GROUP BY clips.format").fetchall())
-        rigs = dict(db.execute(f"SELECT clips.rig, count(*) {_LIVE} GROUP BY clips.rig").fetchall())
-        return {
-            "folder": str(self.folder),
-            "roots": [str(root) for root in self.roots],
-            "clips": clips,
-            "seconds": seconds,
-            "captions": captions,
-            "failed": states.get("failed", 0),
-            "gone": states.get("gone", 0),
-            "formats": formats,
-            "rigs": rigs,
-            "model": model and model["name"],
-            "fingerprint": model and model["fingerprint"],
-            "generation": self.generation,
-            "bytes": sum(path.stat().st_size for path in self.folder.rglob("*") if path.is_file()),
-        }
-
-
-_CAPTIONED = "JOIN captions ON captions.clip_id = clips.id AND captions.text_id IS NOT NULL WHERE"
+        """What the library holds, in numbers; see `indexer.stats.stats`."""
+        return stats(self.connection, self.folder, self.roots)
 
 
 def _one(connection: sqlite3.Connection, query: str) -> dict[str, Any] | None:

@@ -3,28 +3,40 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, field
 from hashlib import blake2b
 from pathlib import Path, PurePosixPath
 
 #: Formats of motion that people keep beside what can be read: listed as failed, not passed over in silence.
 MOTION_LIKE = frozenset(
     {".abc", ".anim", ".bip", ".blend", ".c3d", ".csm", ".dae", ".fbx", ".glb", ".gltf", ".htr", ".mvnx", ".npz"}
-    | {".trc", ".usd", ".usda", ".usdc", ".usdz", ".vmd", ".vrm", ".vrma"}
+    | {".tak", ".trc", ".usd", ".usda", ".usdc", ".usdz", ".vmd", ".vrm", ".vrma"}
 )
-#: A skeleton that belongs to motions beside it, no motion itself.
-SKELETONS = frozenset({".asf"})
+#: A motion's ending -> the ending of the skeletons beside it that it cannot be read without.
+SKELETONS = {".amc": ".asf"}
 TABLES = frozenset({"captions.csv", "captions.tsv", "captions.jsonl"})
+LINES = ".txt"
 
 
 @dataclass(frozen=True)
 class File:
-    """A file as the walk saw it; `path` is relative to the root, with forward slashes."""
+    """A file as the walk saw it.
+
+    Attributes
+    ----------
+    path : str
+        Relative to the root, with forward slashes.
+    size, mtime_ns : int
+        Of it and of what it is read with, added up: enough to see that something changed.
+    others : tuple of str
+        What it is read with; relative to the root.
+    """
 
     path: str
     size: int
     mtime_ns: int
+    others: tuple[str, ...] = ()
 
     @property
     def ending(self) -> str:
@@ -35,55 +47,113 @@ class File:
         """The path without its ending: what a side file of the same name shares."""
         return str(PurePosixPath(self.path).with_suffix(""))
 
+    def hash(self, root: Path) -> str:
+        """The content, as hex digits.
 
-def walk(root: Path, warn: Callable[[str], None]) -> Iterator[File]:
-    """Every regular file under `root`, folder by folder in order of names.
+        Raises
+        ------
+        OSError
+            If it cannot be read.
+        """
+        digest = blake2b(digest_size=16)
+        for path in (self.path, *self.others):
+            with (root / path).open("rb") as file:
+                while piece := file.read(1 << 20):
+                    digest.update(piece)
+            digest.update(b"\0")
+        return digest.hexdigest()
 
-    Hidden files and folders are skipped, symbolic links are not followed, and a folder that cannot be listed
-    is told to `warn` (the error is the caller's to judge: what lies there is unknown, not gone).
+
+@dataclass
+class Folder:
+    """One folder's regular files; `error` says why they are not known."""
+
+    path: str
+    files: list[File] = field(default_factory=list)
+    error: str = ""
+
+    def motions(self, readable: Collection[str]) -> list[File]:
+        """The files that are motions by their ending, each with the skeletons it may need."""
+        return [
+            _with(file, [other for other in self.files if other.ending == SKELETONS.get(file.ending)])
+            for file in self.files
+            if (file.ending in readable or file.ending in MOTION_LIKE) and file.ending not in SKELETONS.values()
+        ]
+
+    def side_files(self, motions: list[File]) -> list[tuple[File, list[str]]]:
+        """The side files, each with the paths of the motions it is about; none for a table, which names them."""
+        named: dict[str, list[str]] = {}
+        for motion in motions:
+            named.setdefault(motion.stem, []).append(motion.path)
+        about = {file.path: named.get(file.stem, []) for file in self.files if file.ending == LINES}
+        return [
+            (file, about.get(file.path, []))
+            for file in self.files
+            if PurePosixPath(file.path).name.lower() in TABLES or about.get(file.path)
+        ]
+
+
+def walk(root: Path, warn: Callable[[str], None]) -> Iterator[Folder]:
+    """Every folder under `root`, parents first, in order of names.
+
+    Hidden files and folders are skipped; symbolic links are not followed, and `warn` is told of those that may
+    have been meant.
+
+    Raises
+    ------
+    OSError
+        If `root` itself cannot be listed.
     """
     waiting = [""]
     while waiting:
-        folder = waiting.pop()
+        folder = Folder(waiting.pop())
         try:
-            with os.scandir(root / folder) as entries:
+            with os.scandir(root / folder.path) as entries:
                 found = sorted(entries, key=lambda entry: entry.name)
         except OSError as error:
-            if not folder:
+            if not folder.path:
                 raise
-            warn(f"{root / folder}: cannot be listed ({error.strerror}); what lies there is left as it was")
-            continue
+            folder.error = error.strerror or str(error)
+            warn(f"{root / folder.path}: cannot be listed ({folder.error}); what was indexed of it is left as it was")
+            found = []
         inner = []
         for entry in found:
-            path = f"{folder}/{entry.name}" if folder else entry.name
+            path = f"{folder.path}/{entry.name}" if folder.path else entry.name
             if entry.name.startswith("."):
                 continue
-            if not _storable(path):
-                warn(f"{root / path}".encode(errors="replace").decode() + ": the name is no UTF-8; rename it")
+            if not _is_utf8(path):
+                warn(f"{os.fsencode(root / path).decode(errors='replace')}: the name is not UTF-8; rename it")
             elif entry.is_symlink():
-                warn(f"{root / path}: symbolic links are not followed; index the folder it points to as well")
+                if entry.is_dir() or PurePosixPath(path).suffix.lower() in (".bvh", ".amc", ".npy", *MOTION_LIKE):
+                    warn(f"{root / path}: symbolic links are not followed; index what it points to by its own path")
             elif entry.is_dir(follow_symlinks=False):
                 inner.append(path)
             elif entry.is_file(follow_symlinks=False):
-                state = entry.stat(follow_symlinks=False)
-                yield File(path, state.st_size, state.st_mtime_ns)
+                try:
+                    state = entry.stat(follow_symlinks=False)
+                except FileNotFoundError:
+                    continue  # it went while we looked
+                folder.files.append(File(path, state.st_size, state.st_mtime_ns))
+        yield folder
         waiting.extend(reversed(inner))
 
 
-def _storable(path: str) -> bool:
+def _with(file: File, others: list[File]) -> File:
+    if not others:
+        return file
+    # Added up as SQLite's 63 bits can hold it; any of the times changing changes the sum.
+    time = sum(part.mtime_ns for part in (file, *others)) % 2**63
+    return File(
+        file.path,
+        sum(part.size for part in (file, *others)),
+        time,
+        tuple(other.path for other in others),
+    )
+
+
+def _is_utf8(path: str) -> bool:
     try:
         path.encode()
     except UnicodeEncodeError:
         return False
     return True
-
-
-def content_hash(paths: list[Path]) -> str:
-    """The content of the files, one after the other, as hex digits."""
-    digest = blake2b(digest_size=16)
-    for path in paths:
-        with path.open("rb") as file:
-            while piece := file.read(1 << 20):
-                digest.update(piece)
-        digest.update(b"\0")
-    return digest.hexdigest()

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 Found = tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]
 
 _FORMAT = 1
-#: Rows outside the main block, as a count and as a share of it, above which both become one again.
-_LOOSE_ROWS, _LOOSE_SHARE = 10_000, 0.1
+#: Share of rows that came or went since the main block was made, from which on a new one is made.
+_LOOSE = 0.05
 
 
 @dataclass(frozen=True)
@@ -154,10 +154,9 @@ class FlatVectors:
         """Numbers a vector."""
         return int(self._main.index.d)
 
-    @property
-    def compact(self) -> bool:
-        """Whether all rows lie in the main block."""
-        return self._later is None and self._kept is None
+    def shares_block(self, other: FlatVectors) -> bool:
+        """Whether both have the same main block, so that they differ by little."""
+        return self._main is other._main
 
     @property
     def rows(self) -> Rows:
@@ -176,12 +175,12 @@ class FlatVectors:
         later = Rows.join([later[~np.isin(later.owners, remove)], add])
         changed = FlatVectors(generation, self._main, _Block.of(later) if len(later) else None, gone)
         lost = 0 if changed._kept is None else len(changed._kept) - int(changed._kept.sum())
-        few = len(later) + lost <= max(_LOOSE_ROWS, _LOOSE_SHARE * len(self._main.owners))
-        return changed if few else changed.compacted()
+        return changed if len(later) + lost <= _LOOSE * len(self._main.owners) else changed.compacted()
 
     def compacted(self) -> FlatVectors:
         """The same with all rows in the main block."""
-        return self if self.compact else FlatVectors.of(self.generation, self.rows)
+        compact = self._later is None and self._kept is None
+        return self if compact else FlatVectors.of(self.generation, self.rows)
 
     def search(self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None) -> Found:
         """See `Vectors.search`."""

@@ -17,9 +17,11 @@ from indexer import poses, schema
 from indexer.encode import Encoded
 from indexer.lock import write_lock
 from indexer.scan import File
+from indexer.side_files import attach
 
 if TYPE_CHECKING:
     from encoders.bundle import Bundle
+    from indexer.changes import Changes
 
 INDEXED, FAILED, GONE = "indexed", "failed", "gone"
 
@@ -110,6 +112,11 @@ class Writer:
                 raise LibraryError(f"{path}: lies inside {place} or around it, which this library indexes already")
         return int(self.connection.execute("INSERT INTO roots(path) VALUES (?)", (stored,)).lastrowid or 0)
 
+    def root_path(self, root_id: int) -> Path:
+        """Where an indexed folder lies."""
+        path: str = self.connection.execute("SELECT path FROM roots WHERE id = ?", (root_id,)).fetchone()[0]
+        return (self.folder / path).resolve()
+
     def known(self, root_id: int) -> dict[str, Known]:
         """The files of a root that were there last time, by path."""
         rows = self.connection.execute(
@@ -118,11 +125,17 @@ class Writer:
         )
         return {row[1]: Known(*row) for row in rows}
 
-    def touch(self, file_id: int, file: File) -> None:
-        """Remember a file's new time; its content is the same."""
-        self.connection.execute(
-            "UPDATE files SET size = ?, mtime_ns = ? WHERE id = ?", (file.size, file.mtime_ns, file_id)
-        )
+    def note(self, changes: Changes) -> None:
+        """All changes but those that ask for a file to be read."""
+        for file_id, file in changes.touched:
+            self.connection.execute(
+                "UPDATE files SET size = ?, mtime_ns = ? WHERE id = ?", (file.size, file.mtime_ns, file_id)
+            )
+        for file_id, root_id, file in changes.moved:
+            self.move(file_id, root_id, file)
+        self.gone(known.id for known in changes.gone)
+        for source, reason in changes.unreadable:
+            self.fail(source, reason)
 
     def fail(self, source: Source, reason: str) -> None:
         """Remember that a file cannot be read; a clip that an earlier version of it gave is gone."""
@@ -133,6 +146,7 @@ class Writer:
         """A new clip, or the new content of a known one; its id."""
         clip_id = self._clip(source, motion, rig)
         db = self.connection
+        attach(db, clip_id, source.root_id, source.file.path)
         for table in ("poses", "embeddings", "windows"):
             db.execute(f"DELETE FROM {table} WHERE clip_id = ?", (clip_id,))
         chunks = enumerate(poses.pack_all(motion.joints))
@@ -161,6 +175,8 @@ class Writer:
             "UPDATE clips SET name = ?, format = ?, generation = ? WHERE file_id = ?",
             (*_named(file), self._generation, file_id),
         )
+        clip_id = db.execute("SELECT id FROM clips WHERE file_id = ?", (file_id,)).fetchone()[0]
+        attach(db, clip_id, root_id, file.path)
 
     def gone(self, file_ids: Iterable[int]) -> None:
         """Files have vanished: their clips answer no more, but are kept in case they come back."""
@@ -175,6 +191,20 @@ class Writer:
             "SELECT id, root_id, path, state FROM files WHERE hash = ? AND recipe = ? AND state != ? ORDER BY id",
             (digest, recipe, FAILED),
         ).fetchall()
+
+    def switch_model(self, model_id: int) -> None:
+        """Answer with the vectors of that model; those of others, and clips that are gone, are dropped."""
+        db = self.connection
+        gone = "SELECT clips.id FROM clips JOIN files ON files.id = clips.file_id WHERE files.state = 'gone'"
+        db.execute(f"UPDATE captions SET clip_id = NULL WHERE clip_id IN ({gone})")
+        for table in ("poses", "embeddings", "windows"):
+            db.execute(f"DELETE FROM {table} WHERE clip_id IN ({gone})")
+        db.execute(f"DELETE FROM clips WHERE id IN ({gone})")
+        db.execute("DELETE FROM files WHERE state = 'gone'")
+        for table in ("embeddings", "windows", "text_embeddings"):
+            db.execute(f"DELETE FROM {table} WHERE model_id != ?", (model_id,))
+        db.execute("DELETE FROM models WHERE id != ?", (model_id,))
+        db.execute("INSERT OR REPLACE INTO settings(key, value) VALUES ('model', ?)", (model_id,))
 
     def _clip(self, source: Source, motion: Motion, rig: str) -> int:
         db = self.connection

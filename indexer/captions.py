@@ -1,0 +1,169 @@
+"""Side files: what people wrote about motions, beside them.
+
+`NAME.txt` beside `NAME.bvh` holds a caption a line; `captions.csv`, `.tsv` or `.jsonl` in any folder has the
+columns path, text, start, end (seconds) and fps, of which only the path and one of text and fps are needed.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import posixpath
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+MAX_TEXT = 2000
+MAX_LINES = 1000  # of a .txt file: a longer one is no list of captions
+COLUMNS = ("path", "text", "start", "end", "fps")
+
+Warn = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A caption of the motion at `path` (relative to the root), a frame rate for it, or both."""
+
+    path: str
+    text: str | None = None
+    start: float | None = None
+    end: float | None = None
+    fps: float | None = None
+
+
+def read_table(file: Path, folder: str, warn: Warn) -> list[Row]:
+    """The rows of a captions table; `folder` is where it lies, relative to the root, empty for the root itself.
+
+    A row that makes no sense is told to `warn` with its line, and left out.
+    """
+    rows = []
+    for number, record in _records(file, warn):
+        try:
+            rows.append(_row(record, folder))
+        except ValueError as error:
+            warn(f"{file}, line {number}: {error}; the row is left out")
+    return rows
+
+
+def read_lines(file: Path, warn: Warn) -> list[tuple[str, float | None, float | None]]:
+    """The captions (text, start, end) of a `.txt` file, one a line: plain, or HumanML3D's `text#tokens#start#end`."""
+    captions = []
+    with file.open(encoding="utf-8-sig", errors="surrogateescape") as lines:
+        for number, line in enumerate(lines, start=1):
+            if number > MAX_LINES:
+                warn(f"{file}: only the first {MAX_LINES} lines are taken as captions")
+                break
+            try:
+                text, start, end = _timed(line)
+                if text.strip():
+                    captions.append((_text(text), start, end))
+            except ValueError as error:
+                warn(f"{file}, line {number}: {error}; the line is left out")
+    return captions
+
+
+def _records(file: Path, warn: Warn) -> Iterator[tuple[int, Mapping[str, Any]]]:
+    """The records of a table with the line each ends on."""
+    with file.open(encoding="utf-8-sig", errors="surrogateescape", newline="") as lines:
+        if file.suffix.lower() == ".jsonl":
+            yield from _json_records(file, lines, warn)
+            return
+        reader = csv.reader(lines, delimiter="\t" if file.suffix.lower() == ".tsv" else ",")
+        try:
+            header = [name.strip().lower() for name in next(reader, [])]
+            if "path" not in header or not {"text", "fps"} & set(header):
+                warn(f"{file}: the first line must name the columns, path and text among them ({', '.join(COLUMNS)})")
+                return
+            for cells in reader:
+                if any(cell.strip() for cell in cells):
+                    yield reader.line_num, dict(zip(header, cells, strict=False))
+        except csv.Error as error:
+            warn(f"{file}, line {reader.line_num}: {error}; the rest is left out")
+
+
+def _json_records(file: Path, lines: Iterable[str], warn: Warn) -> Iterator[tuple[int, Mapping[str, Any]]]:
+    for number, line in enumerate(lines, start=1):
+        if not line.strip():
+            continue
+        try:
+            record = json.loads(line)
+        except (ValueError, RecursionError) as error:
+            warn(f"{file}, line {number}: no JSON ({error}); the row is left out")
+            continue
+        if isinstance(record, dict):
+            yield number, record
+        else:
+            warn(f"{file}, line {number}: {{...}} with path and text is expected; the row is left out")
+
+
+def _row(record: Mapping[str, Any], folder: str) -> Row:
+    text = record.get("text")
+    text = None if text is None or not str(text).strip() else _text(str(text))
+    fps = _number(record, "fps")
+    if text is None and fps is None:
+        raise ValueError("it has no text")
+    if fps is not None and not 0 < fps < 1e5:
+        raise ValueError(f"fps={fps:g} is no frame rate")
+    start, end = _number(record, "start"), _number(record, "end")
+    return Row(_path(record.get("path"), folder), text, *_span(start, end), fps)
+
+
+def _path(value: Any, folder: str) -> str:
+    given = str(value or "").strip().replace("\\", "/")
+    if not given:
+        raise ValueError("it names no path")
+    path = posixpath.normpath(posixpath.join(folder, given))
+    if posixpath.isabs(given) or given[1:2] == ":" or path.startswith("../") or path in ("..", "."):
+        raise ValueError(f"path {given!r} must be relative to the table's folder and stay inside the indexed folder")
+    return _utf8(path)
+
+
+def _text(value: str) -> str:
+    text = " ".join(value.split())
+    if len(text) > MAX_TEXT:
+        raise ValueError(f"{len(text)} characters are more than {MAX_TEXT}")
+    return _utf8(text)
+
+
+def _utf8(value: str) -> str:
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        raise ValueError("it is not UTF-8") from None
+    return value
+
+
+def _number(record: Mapping[str, Any], name: str) -> float | None:
+    value = record.get(name)
+    if value is None or (isinstance(value, str) and not value.strip()):
+        return None
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if isinstance(value, bool) or not math.isfinite(number):
+        raise ValueError(f"{name} {value!r} is no number")
+    return number
+
+
+def _span(start: float | None, end: float | None) -> tuple[float | None, float | None]:
+    if start is None and end is None:
+        return None, None
+    if start is None or end is None or not 0 <= start < end:
+        raise ValueError(f"start {start} and end {end} must both be given, in seconds, the end after the start")
+    return start, end
+
+
+def _timed(line: str) -> tuple[str, float | None, float | None]:
+    """HumanML3D's fields where they are there; its 0.0#0.0 means the whole clip."""
+    parts = line.rsplit("#", 3)
+    if len(parts) < 4:
+        return line, None, None
+    try:
+        start, end = float(parts[2]), float(parts[3])
+    except ValueError:
+        return line, None, None
+    whole = not (math.isfinite(start) and math.isfinite(end)) or start == end == 0
+    return (parts[0], None, None) if whole else (parts[0], *_span(start, end))

@@ -1,0 +1,73 @@
+"""Clip and Caption: what the library says of a motion."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+#: The clips that are there: the columns of `clips` and `files` may be asked for.
+LIVE = "FROM clips JOIN files ON files.id = clips.file_id WHERE files.state = 'indexed'"
+
+_COLUMNS = (
+    "clips.id, files.path, files.root_id, clips.name, clips.duration, clips.fps, clips.frames, clips.format, "
+    "clips.rig, clips.added"
+)
+
+
+@dataclass(frozen=True)
+class Clip:
+    """A motion of the library.
+
+    Attributes
+    ----------
+    path : str
+        Relative to `root`, with forward slashes.
+    root : Path
+        The indexed folder it lies in.
+    name : str
+        The file's name without its ending.
+    duration : float
+        Seconds.
+    fps, frames : float, int
+        Of the stored motion.
+    format : str
+        The file's ending, without the dot.
+    rig : str
+        What the reader called the skeleton; empty where it said nothing.
+    added : str
+        When it was first indexed, UTC, ISO 8601.
+    """
+
+    id: int
+    path: str
+    root: Path
+    name: str
+    duration: float
+    fps: float
+    frames: int
+    format: str
+    rig: str
+    added: str
+
+    @property
+    def file(self) -> Path:
+        """The source file."""
+        return self.root / self.path
+
+
+@dataclass(frozen=True)
+class Caption:
+    """What is said of a clip, or of the span from `start` to `end` in seconds."""
+
+    text: str
+    start: float | None = None
+    end: float | None = None
+
+
+def select(db: sqlite3.Connection, roots: Mapping[int, Path], condition: str, values: Sequence[Any]) -> list[Clip]:
+    """The clips that meet an SQL condition with its values bound, in order of their ids."""
+    rows = db.execute(f"SELECT {_COLUMNS} {LIVE} AND {condition} ORDER BY clips.id", values)
+    return [Clip(clip_id, path, roots[root], *rest) for clip_id, path, root, *rest in rows]
