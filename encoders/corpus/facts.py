@@ -11,6 +11,13 @@ from itertools import combinations
 
 from encoders.corpus.scene import Scene, Step
 
+#: Who does the first is also doing the second, in the words of people.
+_KINDS_OF = {
+    "jog": "run", "sprint": "run", "limp": "walk", "sneak": "walk", "tiptoe": "walk", "march": "walk",
+    "stagger": "walk", "crouch walk": "walk", "shuffle": "walk", "drag leg": "walk",
+    "balance beam": "walk", "hop": "jump", "leap": "jump",
+    "spin jump": "jump", "jump over": "jump", "hurdle": "jump", "army crawl": "crawl", "pivot": "turn",
+}  # fmt: skip
 _PARTICULARS = tuple(f.name for f in fields(Step) if f.name != "action")
 
 
@@ -19,9 +26,15 @@ def facts(scene: Scene) -> frozenset[str]:
     found: set[str] = set()
     for group in scene.steps:
         for step in group:
-            found.add(step.action)
-            found.update(f"{step.action}.{name}={value}" for name in _PARTICULARS if (value := getattr(step, name)))
+            found.update(_named(step.action, step))
+            if step.action in _KINDS_OF:
+                found.update(_named(_KINDS_OF[step.action], step))
         found.update(f"{'+'.join(sorted((a.action, b.action)))}" for a, b in combinations(group, 2))
     for earlier, later in combinations(scene.steps, 2):
         found.update(f"{a.action}<{b.action}" for a in earlier for b in later)
     return frozenset(found)
+
+
+def _named(action: str, step: Step) -> set[str]:
+    """The action, and each particular of it."""
+    return {action} | {f"{action}.{name}={value}" for name in _PARTICULARS if (value := getattr(step, name))}

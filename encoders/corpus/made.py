@@ -11,13 +11,11 @@ from numpy.typing import NDArray
 
 from encoders.corpus.compose import make_clip
 from encoders.corpus.facts import facts
-from encoders.corpus.language import captions, parse, random_scene, swap
+from encoders.corpus.language import describe, parse, random_scene, swap
 from encoders.corpus.programs import programs
 from encoders.corpus.scene import Scene, Step
 from encoders.kinds import FeatureKind
 from encoders.motion import Motion
-
-_OPTIONAL = ("speed", "amplitude", "style", "height", "count", "side", "direction")
 
 
 @dataclass(frozen=True)
@@ -42,23 +40,15 @@ class Made:
 
 
 def settle(scene: Scene, rng: Generator) -> Scene:
-    """Every side that the scene leaves open is decided, so that what is true of the clip is known."""
+    """Sides and directions that the scene leaves open are decided, so that what is true of the clip is known."""
 
     def decided(step: Step) -> Step:
-        sides = programs()[step.action].sides
-        return replace(step, side=str(rng.choice(sides))) if sides and not step.side else step
+        action = programs()[step.action]
+        side = step.side or (str(rng.choice(action.sides)) if action.sides else "")
+        ahead = "forward" if "forward" in action.directions else ""
+        return replace(step, side=side, direction=step.direction or ahead)
 
     return Scene(tuple(tuple(decided(step) for step in group) for group in scene.steps))
-
-
-def said_less(scene: Scene, rng: Generator, chance: float = 0.25) -> Scene:
-    """A scene that says less and is true of every clip of `scene`: each particular is left out at times."""
-
-    def less(step: Step) -> Step:
-        dropped = {name: type(getattr(step, name))() for name in _OPTIONAL if rng.random() < chance}
-        return replace(step, **dropped)
-
-    return Scene(tuple(tuple(less(step) for step in group) for group in scene.steps))
 
 
 def make(
@@ -82,23 +72,33 @@ def make(
         Sentences that must not be used.
     """
     whole = settle(scene, rng)
+    true = facts(whole)
     clip = make_clip(whole, rng)
-    texts, meanings = list(said), [facts(scene)] * len(said)
+    stated = {text: facts(scene) for text in said}
     for _ in range(count):
-        less = said_less(whole, rng)
-        texts += captions(less, rng, 1)
-        meanings.append(facts(less))
-    wrong = swap(whole, rng)
-    swapped = captions(wrong, rng, 1) if wrong is not None else []
-    kept = [i for i, text in enumerate(texts) if held_out is None or not held_out(text)]
+        caption = describe(whole, rng)
+        stated.setdefault(caption.text, facts(caption.scene))
+    texts = [text for text in stated if held_out is None or not held_out(text)]
     return Made(
         kind.compute(Motion(clip.joints, clip.fps)),
         whole,
         clip.spans,
-        tuple(texts[i] for i in kept),
-        tuple(meanings[i] for i in kept),
-        tuple(swapped),
+        tuple(texts),
+        tuple(stated[text] for text in texts),
+        _false_captions(whole, true, rng),
     )
+
+
+def _false_captions(scene: Scene, true: frozenset[str], rng: Generator, tries: int = 4) -> tuple[str, ...]:
+    """A sentence that differs from true ones in order, side, direction or count alone, where the scene has such."""
+    for _ in range(tries):
+        wrong = swap(scene, rng)
+        if wrong is None:
+            break
+        caption = describe(wrong, rng)
+        if not facts(caption.scene) <= true:
+            return (caption.text,)
+    return ()
 
 
 def made_clips(
