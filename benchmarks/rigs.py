@@ -77,7 +77,7 @@ def sheet(motions: dict[Path, Motion], file: Path) -> None:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    shown = {path.parent: path for path in reversed(sorted(motions))}
+    shown = {path.parent: path for path in sorted(motions, reverse=True)}
     columns = 10
     _, axes = pyplot.subplots(-(-len(shown) // columns), columns, figsize=(24, 2.6 * -(-len(shown) // columns)))
     for axis in axes.flat:
@@ -108,7 +108,8 @@ def main() -> None:
     motions, failures = read_all(options.folders, rates)
     seconds = time.perf_counter() - started
     size = sum(path.stat().st_size for path in motions) / 1e6
-    print(f"{len(motions)} files read, {len(failures)} not; {size:.0f} MB in {seconds:.1f} s, {size / seconds:.0f} MB/s")
+    speed = f"{size:.0f} MB in {seconds:.1f} s, {size / seconds:.0f} MB/s"
+    print(f"{len(motions)} files read, {len(failures)} not; {speed}")
     print_pairs(rows, motions, options.joints)
     print("\nnot read")
     for (reason, ending), count in Counter((reason, p.suffix) for p, reason in failures.items()).most_common():

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from indexer.figure import Array, Figure, unit
 
 #: Rotations that bring an axis to +Y, for +x, +y, +z, -x, -y, -z.
 _TO_Y = (
@@ -18,10 +17,7 @@ _TO_Y = (
 )
 
 
-def to_y_up(marks: dict[str, Array], spine: Array) -> tuple[dict[str, Array], Array]:
-    """The same figure with +Y up, turned, not mirrored."""
-    trunk = marks["head"] - (marks["left_hip"] + marks["right_hip"]) / 2
-    trunk = trunk / np.maximum(np.linalg.norm(trunk, axis=-1, keepdims=True), 1e-9)
-    mean = trunk.mean(axis=0)
-    turn = _TO_Y[int(np.argmax(np.concatenate([mean, -mean])))]
-    return {name: place @ turn.T for name, place in marks.items()}, spine @ turn.T
+def upright(figure: Figure) -> Array:
+    """The rotation (3, 3) that brings a figure's up axis to +Y."""
+    trunk = unit(figure.marks["head"] - figure.middle("hip")).mean(axis=0)
+    return _TO_Y[int(np.argmax(np.concatenate([trunk, -trunk])))]

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from encoders.errors import UnreadableMotion
 from encoders.motion import FPS, Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX
-from indexer.axes import to_y_up
+from indexer.axes import upright
 from indexer.body import build
-from indexer.mapping import RigMap, map_rig
+from indexer.calibration import calibrate
+from indexer.figure import SIDES, Figure, angle_between
+from indexer.mapping import map_rig
 from indexer.readers.take import Take
 
 #: Upper leg and shank of the target skeleton, metres.
@@ -50,13 +52,15 @@ def retarget(
     """
     rig = map_rig(take, path, joint_map)
     rate = fps or take.fps or FPS
-    first = 1 if _begins_with_rest(take, rig) else 0
-    marks, spine = _landmarks(take, rig, _grid(len(take.positions) - first, rate) + first)
-    scale = LEG_LENGTH / _leg_length(marks)
-    if not np.isfinite(scale):
+    figure, rest = Figure.of(take.positions, rig), Figure.of(take.rest[None], rig)
+    if begins_with_pose(figure, rest):
+        figure, rest = figure[1:], figure[:1]
+    figure = figure.sampled(_grid(len(figure), rate))
+    length = figure.leg_length()
+    if not length > 0:
         raise UnreadableMotion(path, "the legs have no length")
-    marks, spine = to_y_up(marks, spine)
-    joints = build(marks, spine, scale)
+    figure = figure.transformed(upright(figure))
+    joints = build(figure, LEG_LENGTH / length, calibrate(figure, rest))
     joints[..., 1] -= joints[..., 1].min()
     return Motion(joints.astype(np.float32), FPS)
 
@@ -67,44 +71,25 @@ def _grid(frames: int, rate: float) -> NDArray[np.float64]:
     return np.arange(count) * (rate / FPS)
 
 
-def _sample(positions: NDArray[np.float64], at: NDArray[np.float64]) -> NDArray[np.float64]:
-    low = np.minimum(at.astype(np.int64), len(positions) - 1)
-    high = np.minimum(low + 1, len(positions) - 1)
-    weight = (at - low).reshape(-1, *[1] * (positions.ndim - 1))
-    return positions[low] * (1 - weight) + positions[high] * weight
-
-
-def _landmarks(
-    take: Take, rig: RigMap, at: NDArray[np.float64]
-) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.float64]]:
-    """Landmark tracks (T, 3) and points along the back (T, S, 3) at given times; what is missing is placed between."""
-    marks = {name: _sample(take.positions[:, j], at) for name, j in rig.joints.items()}
-    spine = _sample(take.positions[:, rig.spine], at)
-    shoulders = (marks["left_shoulder"] + marks["right_shoulder"]) / 2
-    if "neck" not in marks:
-        marks["neck"] = shoulders + (marks["head"] - shoulders) * 0.3
-    if "head" not in marks:
-        marks["head"] = marks["neck"] * 2 - shoulders
-    return marks, spine
-
-
-def _leg_length(marks: dict[str, NDArray[np.float64]]) -> float:
-    lengths = [
-        np.median(np.linalg.norm(marks[f"{side}_{a}"] - marks[f"{side}_{b}"], axis=-1))
-        for side in ("left", "right")
-        for a, b in (("hip", "knee"), ("knee", "ankle"))
-    ]
-    return float(sum(lengths) / 2)
-
-
-def _begins_with_rest(take: Take, rig: RigMap) -> bool:
-    """Does the first frame show the rest pose, which is no movement, while the second does not?"""
-    if len(take.positions) < 3:
+def begins_with_pose(figure: Figure, rest: Figure) -> bool:
+    """Does the first frame show a rest pose or T-pose, which is no movement, while the second does not?"""
+    if len(figure) < 3:
         return False
-    used = list(rig.joints.values())
-    figure = take.positions[:3, used] - take.positions[:3, used].mean(axis=1, keepdims=True)
-    rest = take.rest[used] - take.rest[used].mean(axis=0)
-    size = max(float(np.linalg.norm(rest, axis=-1).mean()), 1e-9)
-    to_rest = np.linalg.norm(figure - rest, axis=-1).mean(axis=-1) / size
-    step = np.linalg.norm(np.diff(figure, axis=0), axis=-1).mean(axis=-1) / size
-    return bool(to_rest[0] < 0.03 and to_rest[1] > 0.08 and step[0] > 4 * step[1])
+    start = figure[:3].points() - figure[:3].middle("hip")[:, None]
+    size = figure.leg_length()
+    to_rest = np.linalg.norm(start - (rest.points() - rest.middle("hip")[:, None]), axis=-1).mean(axis=-1) / size
+    step = np.linalg.norm(np.diff(start, axis=0), axis=-1).mean(axis=-1) / size
+    jumps = bool(step[0] > 0.05 and step[0] > 4 * step[1])
+    return jumps and (bool(to_rest[0] < 0.03) or is_t_pose(figure[:1]))
+
+
+def is_t_pose(figure: Figure) -> bool:
+    """A body (T = 1) that stands straight, arms stretched out sideways."""
+    trunk = figure.marks["neck"] - figure.middle("hip")
+    bones = [(figure.bone(f"{s}_hip", f"{s}_ankle"), -trunk) for s in SIDES]
+    bones += [
+        (figure.bone(f"{s}_{a}", f"{s}_{b}"), sign * figure.across("hip"))
+        for s, sign in zip(SIDES, (1, -1), strict=True)
+        for a, b in (("shoulder", "elbow"), ("elbow", "wrist"))
+    ]
+    return all(float(angle_between(bone, expected)[0]) < 25 for bone, expected in bones)

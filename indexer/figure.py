@@ -1,0 +1,120 @@
+"""Figure: where a body's landmarks are over time, in the file's units, before it is rebuilt on the 22 joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from indexer.mapping import RigMap
+
+Array = NDArray[np.float64]
+SIDES = ("left", "right")
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Landmarks and back of a body.
+
+    Attributes
+    ----------
+    marks : dict of str to array (T, 3)
+        Hips, knees, ankles, shoulders, elbows, wrists, neck and head; toes where there are any.
+    spine : array (T, S, 3)
+        Points along the back between hips and neck, upwards; S may be 0.
+    """
+
+    marks: dict[str, Array]
+    spine: Array
+
+    @classmethod
+    def of(cls, positions: Array, rig: RigMap) -> Figure:
+        """The landmarks among joint positions (T, J, 3); a missing neck or head is placed from the other."""
+        marks = {name: positions[:, joint] for name, joint in rig.joints.items()}
+        shoulders = (marks["left_shoulder"] + marks["right_shoulder"]) / 2
+        if "neck" not in marks:
+            marks["neck"] = shoulders + (marks["head"] - shoulders) * 0.3
+        if "head" not in marks:
+            marks["head"] = marks["neck"] * 2 - shoulders
+        return cls(marks, positions[:, rig.spine])
+
+    def __len__(self) -> int:
+        return len(self.spine)
+
+    def __getitem__(self, frames: slice) -> Figure:
+        return Figure({name: place[frames] for name, place in self.marks.items()}, self.spine[frames])
+
+    def transformed(self, matrix: Array) -> Figure:
+        """Every point times a matrix (3, 3): turned, mirrored or scaled."""
+        return Figure({name: place @ matrix.T for name, place in self.marks.items()}, self.spine @ matrix.T)
+
+    def sampled(self, at: Array) -> Figure:
+        """The figure at times counted in frames, interpolated linearly."""
+        low = np.minimum(at.astype(np.int64), len(self) - 1)
+        high = np.minimum(low + 1, len(self) - 1)
+        weight = (at - low)[:, None]
+
+        def mix(track: Array) -> Array:
+            share = weight if track.ndim == 2 else weight[..., None]
+            mixed: Array = track[low] * (1 - share) + track[high] * share
+            return mixed
+
+        return Figure({name: mix(place) for name, place in self.marks.items()}, mix(self.spine))
+
+    def middle(self, joint: str) -> Array:
+        """Point (T, 3) between the left and the right one."""
+        middle: Array = (self.marks[f"left_{joint}"] + self.marks[f"right_{joint}"]) / 2
+        return middle
+
+    def across(self, joint: str) -> Array:
+        """From the right one to the left one, (T, 3)."""
+        across: Array = self.marks[f"left_{joint}"] - self.marks[f"right_{joint}"]
+        return across
+
+    def bone(self, start: str, end: str) -> Array:
+        """From one landmark to another, (T, 3)."""
+        bone: Array = self.marks[end] - self.marks[start]
+        return bone
+
+    def leg_length(self) -> float:
+        """Upper leg and shank together, mean of both sides, in the file's units."""
+        bones = [self.bone(f"{s}_{a}", f"{s}_{b}") for s in SIDES for a, b in (("hip", "knee"), ("knee", "ankle"))]
+        return float(sum(np.median(np.linalg.norm(bone, axis=-1)) for bone in bones) / 2)
+
+    def points(self) -> Array:
+        """All landmarks as (T, L, 3)."""
+        return np.stack(list(self.marks.values()), axis=1)
+
+
+def unit(vectors: Array) -> Array:
+    """Vectors (..., 3) made one long; zero stays zero."""
+    scaled: Array = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-9)
+    return scaled
+
+
+def angle_between(a: Array, b: Array) -> Array:
+    """Angle (...,) in degrees between vectors (..., 3)."""
+    return np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), (a * b).sum(-1)))
+
+
+def frames(across: Array, up: Array) -> Array:
+    """Rotations (..., 3, 3) whose columns are left, up and forward.
+
+    `across` points left and is kept; `up` is kept as far as it is square to it.
+    """
+    x = unit(across)
+    y = unit(up - x * (x * up).sum(-1, keepdims=True))
+    return np.stack([x, y, np.cross(x, y)], axis=-1)
+
+
+def rotation_between(a: Array, b: Array) -> Array:
+    """The smallest rotation (3, 3) that takes direction a to direction b (Rodrigues' formula)."""
+    a, b = unit(a), unit(b)
+    axis = np.cross(a, b)
+    cos = float(a @ b)
+    if cos < -0.999:
+        return np.eye(3)
+    skew = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    rotation: Array = np.eye(3) + skew + skew @ skew / (1 + cos)
+    return rotation
