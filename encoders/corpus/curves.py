@@ -42,7 +42,7 @@ _MIRROR_SIGN = np.ones(CHANNELS)
 _MIRROR_SIGN[[0, 3, 5, 6, 8, 9, 11, 12, 13, 17, 18, 19, 23, 24, 31, 41]] = -1
 
 #: Wrist of a relaxed hanging arm: outward, upward, forward of its own shoulder, in arm lengths.
-HANGING = (0.13, -0.95, 0.09)
+HANGING = (0.13, -0.965, 0.08)
 
 
 class Curves:
