@@ -1,6 +1,6 @@
 """Make the clips that `motionseek demo` shows: real capture from the CMU Graphics Lab, thinned to 30 frames a second.
 
-    python benchmarks/make_demo.py data/mocap search/demo_clips
+    python benchmarks/make_demo.py data/mocap search/demo_data
 
 Every clip gets a name that tells nothing, as in most archives; SOURCES.tsv says which trial it is and the terms.
 Only text is touched: frames are left out and numbers rounded, the skeleton stays as it was.
@@ -9,6 +9,7 @@ Only text is touched: frames are left out and numbers rounded, the skeleton stay
 from __future__ import annotations
 
 import csv
+import json
 import random
 import shutil
 import sys
@@ -33,6 +34,11 @@ TERMS = (
     "Carnegie Mellon University Graphics Lab Motion Capture Database, mocap.cs.cmu.edu; created with funding from "
     "NSF EIA-0196217. Free for all uses, also in products; the files themselves may not be resold."
 )
+
+
+#: What the demo asks.
+QUESTIONS = ("a person kicks a ball", "someone climbs up a ladder", "running and then jumping")
+MOMENT = {"sentence": "a person sits down", "clip": "session_01.amc"}
 
 
 def thin(source: Path, target: Path, rate: float, keep: float = 30.0, decimals: int = 2) -> None:
@@ -71,6 +77,8 @@ def main(archive: Path, target: Path) -> None:
         sources.append((f"{name}.amc", row["trial"], row["split"], row["description"]))
     _table(target / "captions.tsv", ("path", "text", "fps"), [(name, "", rate) for name, rate in rates])
     _table(target / "SOURCES.tsv", ("file", "CMU trial", "split", "CMU's description"), sources)
+    script = {"questions": QUESTIONS, "moment": MOMENT}
+    (target / "demo.json").write_text(json.dumps(script, indent=1) + "\n", encoding="utf-8")
     (target / "TERMS.txt").write_text(TERMS + "\n", encoding="utf-8")
 
 
