@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from encoders.bundle import Bundle
 from encoders.errors import MotionSeekError, QueryError
+from encoders.metrics import average_precision
 from encoders.motion import Motion
 from indexer import load_motion
-from encoders.metrics import average_precision
 from search.query import encode_queries
 
 
