@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from encoders.corpus.curves import ANKLE, BODY, HANGING, HIP, STAND, Array, Curves, standing
-
-Triple = tuple[float, float, float]
+from encoders.corpus import keyframes
+from encoders.corpus.curves import BODY, Array, Curves, standing
 
 _FIELDS = ("root", "pelvis", "spine", "head")
 _BOTH = {"hands": 1.0, "feet": -1.0, "reach": -1.0}
@@ -50,26 +49,11 @@ def _mirrored(name: str, value: ArrayLike) -> ArrayLike:
 def through(frames: int, poses: Sequence[tuple[float, Array]]) -> Array:
     """Smooth movement through key poses: (F, 45) from pairs of (share of the duration, row).
 
-    Monotone cubic between keys (Fritsch and Carlson 1980), at rest at the first, the last and where a channel turns
-    back; a row given twice in a row is held.
+    At rest at the first, the last and where a channel turns back; a row given twice in a row is held.
     """
     times = np.array([time for time, _ in poses])
     rows = np.stack([row for _, row in poses])
-    width = np.maximum(np.diff(times), 1e-6)[:, None]
-    slope = np.diff(rows, axis=0) / width
-    tangent = np.zeros_like(rows)
-    before, after = slope[:-1], slope[1:]
-    same = before * after > 0
-    total = np.where(same, before + after, 1.0)
-    tangent[1:-1] = np.where(same, 2.0 * before * after / total, 0.0)
-    now = np.linspace(0.0, 1.0, frames)
-    index = np.clip(np.searchsorted(times, now, side="right") - 1, 0, len(times) - 2)
-    share = np.clip((now - times[index])[:, None] / width[index], 0.0, 1.0)
-    square, cube = share**2, share**3
-    start, end = rows[index], rows[index + 1]
-    out = start + (3 * square - 2 * cube) * (end - start)
-    out += width[index] * ((cube - 2 * square + share) * tangent[index] + (cube - square) * tangent[index + 1])
-    return np.asarray(out)
+    return keyframes.through(np.linspace(0.0, 1.0, frames), times, rows)
 
 
 def perform(frames: int, poses: Sequence[tuple[float, Array]], parts: frozenset[str] = BODY) -> Curves:
@@ -78,4 +62,3 @@ def perform(frames: int, poses: Sequence[tuple[float, Array]], parts: frozenset[
 
 
 STANDING = pose()
-__all__ = ["ANKLE", "HANGING", "HIP", "STAND", "STANDING", "perform", "pose", "through"]

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 from numpy.random import Generator
 
-from encoders.corpus.curves import BODY, Curves
+from encoders.corpus.curves import ARMS, BODY, Curves
 from encoders.corpus.scene import Step
 from encoders.corpus.style import STYLES, Manner
 
@@ -113,6 +113,19 @@ def programs() -> dict[str, Program]:
         if importlib.util.find_spec(name) is not None:
             importlib.import_module(name)
     return dict(sorted(_REGISTRY.items()))
+
+
+def parts_of(step: Step) -> frozenset[str]:
+    """Parts of the body that a step needs; one arm where it names a side of an action of either arm.
+
+    Raises
+    ------
+    KeyError
+        If the action is unknown.
+    """
+    action = programs()[step.action]
+    other = {"left": "right_arm", "right": "left_arm"}.get(step.side)
+    return action.parts - {other} if action.sides and action.parts >= ARMS else action.parts
 
 
 def sample_step(action: Program, rng: Generator, *, detail: float = 0.5) -> Step:

@@ -55,47 +55,51 @@ _FIELDS = [field.name for field in fields(Manner)]
 
 #: Body changes of each style at full strength.
 STYLES: dict[str, dict[str, float]] = {
-    "tired": dict(pace=-0.3, stride=-0.25, swing=-0.35, bend=0.35, nod=0.35, crouch=0.03, lift=-0.03, bounce=-0.2,
-                  ahead=0.08, reach=-0.3, sway=0.15),
-    "old": dict(pace=-0.45, stride=-0.5, swing=-0.6, bend=0.5, nod=-0.15, crouch=0.07, lift=-0.04, raised=0.12,
-                ahead=0.15, width=0.15, tremble=0.004, reach=-0.35),
-    "angry": dict(pace=0.25, stride=0.1, swing=0.35, bend=0.15, nod=0.15, apart=0.1, elbow=0.4, bounce=0.3, jerk=0.3,
-                  width=0.2, lift=0.02, raised=0.08, reach=0.15, shrug=0.1),
-    "happy": dict(pace=0.12, stride=0.05, swing=0.6, bend=-0.1, nod=-0.15, bounce=0.6, sway=0.35, lift=0.05, apart=0.08,
-                  raised=0.12, twist=0.3, reach=0.2, elbow=0.2),
-    "proud": dict(pace=-0.1, stride=0.1, swing=0.2, bend=-0.28, nod=-0.2, apart=0.14, elbow=0.4, width=0.15, twist=0.15,
-                  toes=0.2, lift=0.02),
-    "sad": dict(pace=-0.35, stride=-0.35, swing=-0.8, bend=0.28, nod=0.6, lift=-0.04, bounce=-0.4, ahead=0.04,
-                apart=-0.05, reach=-0.4, sway=-0.1),
-    "drunk": dict(pace=-0.25, stride=-0.15, wander=0.14, sway=0.6, width=0.5, bend=0.15, nod=0.2, apart=0.18, raised=0.06,
-                  twist=0.3, roll=0.1),
-    "limping": dict(pace=-0.3, stride=-0.2, limp=1.0, bend=0.1, roll=0.08, swing=-0.3),
-    "sneaking": dict(pace=-0.5, stride=0.05, swing=-0.5, bend=0.45, crouch=0.14, lift=0.08, raised=0.3, ahead=0.25,
-                     nod=-0.3, elbow=0.2, bounce=-0.5),
-    "heavy": dict(pace=-0.35, stride=-0.05, swing=-0.1, width=0.7, sway=0.7, apart=0.25, elbow=0.35, bounce=0.3,
-                  lift=0.06, toes=0.3, bend=0.05, jerk=0.1),
-    "feminine": dict(pace=-0.03, stride=-0.1, sway=0.9, width=-0.7, swing=-0.05, apart=0.06, elbow=-0.35, bend=-0.05,
-                     twist=0.25, toes=-0.05, raised=0.06, bounce=0.1),
-    "masculine": dict(pace=-0.03, stride=0.1, sway=0.1, width=0.45, apart=0.18, elbow=0.4, swing=0.15, toes=0.2,
-                      twist=0.2, bend=-0.02, shrug=0.05),
-    "childlike": dict(pace=0.25, stride=-0.15, swing=0.8, bounce=0.8, lift=0.1, apart=0.16, raised=0.1, sway=0.3,
-                      nod=-0.1, reach=0.3, wander=0.03, twist=0.3),
-    "robotic": dict(pace=-0.3, jerk=1.0, sway=-1.5, bounce=-1.0, twist=-1.5, raised=0.22, swing=0.1, bend=-0.08, toes=-0.12),
-    "zombie": dict(pace=-0.5, stride=-0.4, swing=-1.5, raised=0.55, ahead=0.5, bend=0.2, roll=0.15, nod=-0.1, wander=0.07,
-                   lift=-0.05, limp=0.5, width=0.3),
-    "scared": dict(pace=0.1, stride=-0.4, bend=0.25, nod=-0.1, raised=0.4, ahead=0.25, apart=-0.05, shrug=0.3, crouch=0.07,
-                   tremble=0.006, swing=-0.8, reach=-0.25),
-    "confident": dict(pace=0.05, stride=0.15, swing=0.35, bend=-0.15, nod=-0.08, apart=0.08, twist=0.25, width=0.1),
-    "relaxed": dict(pace=-0.2, stride=-0.05, swing=0.1, bend=0.02, sway=0.2, bounce=-0.1, tilt=-0.08, reach=-0.1),
-    "injured": dict(pace=-0.5, stride=-0.4, limp=1.0, bend=0.4, roll=0.12, raised=0.2, ahead=0.1, swing=-0.7, nod=0.15),
-    "cool": dict(pace=-0.15, stride=0.05, sway=0.45, swing=0.25, bend=-0.1, tilt=-0.15, roll=0.06, apart=0.15, elbow=0.25,
-                 twist=0.45, bounce=0.3, toes=0.3, width=0.3, nod=-0.1),
-    "energetic": dict(pace=0.3, stride=0.12, swing=0.5, bounce=0.5, lift=0.06, raised=0.15, elbow=0.1, reach=0.25,
-                      twist=0.2),
-    "elegant": dict(pace=-0.15, stride=0.02, bend=-0.16, nod=-0.12, width=-0.5, sway=0.3, swing=-0.1, elbow=-0.1,
-                    apart=0.05, bounce=-0.3),
-    "shy": dict(pace=-0.2, stride=-0.35, swing=-0.8, bend=0.2, nod=0.4, apart=-0.05, raised=0.1, ahead=0.15, width=-0.4,
-                shrug=0.15, toes=-0.15, reach=-0.4),
+    "tired": {"pace": -0.3, "stride": -0.25, "swing": -0.35, "bend": 0.35, "nod": 0.35, "crouch": 0.03, "lift": -0.03,
+        "bounce": -0.2, "ahead": 0.08, "reach": -0.3, "sway": 0.15},
+    "old": {"pace": -0.45, "stride": -0.5, "swing": -0.6, "bend": 0.5, "nod": -0.15, "crouch": 0.07, "lift": -0.04,
+        "raised": 0.12, "ahead": 0.15, "width": 0.15, "tremble": 0.004, "reach": -0.35},
+    "angry": {"pace": 0.25, "stride": 0.1, "swing": 0.35, "bend": 0.15, "nod": 0.15, "apart": 0.1, "elbow": 0.4,
+        "bounce": 0.3, "jerk": 0.3, "width": 0.2, "lift": 0.02, "raised": 0.08, "reach": 0.15, "shrug": 0.1},
+    "happy": {"pace": 0.12, "stride": 0.05, "swing": 0.6, "bend": -0.1, "nod": -0.15, "bounce": 0.6, "sway": 0.35,
+        "lift": 0.05, "apart": 0.08, "raised": 0.12, "twist": 0.3, "reach": 0.2, "elbow": 0.2},
+    "proud": {"pace": -0.1, "stride": 0.1, "swing": 0.2, "bend": -0.28, "nod": -0.2, "apart": 0.14, "elbow": 0.4,
+        "width": 0.15, "twist": 0.15, "toes": 0.2, "lift": 0.02},
+    "sad": {"pace": -0.35, "stride": -0.35, "swing": -0.8, "bend": 0.28, "nod": 0.6, "lift": -0.04, "bounce": -0.4,
+        "ahead": 0.04, "apart": -0.05, "reach": -0.4, "sway": -0.1},
+    "drunk": {"pace": -0.25, "stride": -0.15, "wander": 0.14, "sway": 0.6, "width": 0.5, "bend": 0.15, "nod": 0.2,
+        "apart": 0.18, "raised": 0.06, "twist": 0.3, "roll": 0.1},
+    "limping": {"pace": -0.3, "stride": -0.2, "limp": 1.0, "bend": 0.1, "roll": 0.08, "swing": -0.3},
+    "sneaking": {"pace": -0.5, "stride": 0.05, "swing": -0.5, "bend": 0.45, "crouch": 0.14, "lift": 0.08,
+        "raised": 0.3, "ahead": 0.25, "nod": -0.3, "elbow": 0.2, "bounce": -0.5},
+    "heavy": {"pace": -0.35, "stride": -0.05, "swing": -0.1, "width": 0.7, "sway": 0.7, "apart": 0.25, "elbow": 0.35,
+        "bounce": 0.3, "lift": 0.06, "toes": 0.3, "bend": 0.05, "jerk": 0.1},
+    "feminine": {"pace": -0.03, "stride": -0.1, "sway": 0.9, "width": -0.7, "swing": -0.05, "apart": 0.06,
+        "elbow": -0.35, "bend": -0.05, "twist": 0.25, "toes": -0.05, "raised": 0.06, "bounce": 0.1},
+    "masculine": {"pace": -0.03, "stride": 0.1, "sway": 0.1, "width": 0.45, "apart": 0.18, "elbow": 0.4,
+        "swing": 0.15, "toes": 0.2, "twist": 0.2, "bend": -0.02, "shrug": 0.05},
+    "childlike": {"pace": 0.25, "stride": -0.15, "swing": 0.8, "bounce": 0.8, "lift": 0.1, "apart": 0.16,
+        "raised": 0.1, "sway": 0.3, "nod": -0.1, "reach": 0.3, "wander": 0.03, "twist": 0.3},
+    "robotic": {"pace": -0.3, "jerk": 1.0, "sway": -1.5, "bounce": -1.0, "twist": -1.5, "raised": 0.22, "swing": 0.1,
+        "bend": -0.08, "toes": -0.12},
+    "zombie": {"pace": -0.5, "stride": -0.4, "swing": -1.5, "raised": 0.55, "ahead": 0.5, "bend": 0.2, "roll": 0.15,
+        "nod": -0.1, "wander": 0.07, "lift": -0.05, "limp": 0.5, "width": 0.3},
+    "scared": {"pace": 0.1, "stride": -0.4, "bend": 0.25, "nod": -0.1, "raised": 0.4, "ahead": 0.25, "apart": -0.05,
+        "shrug": 0.3, "crouch": 0.07, "tremble": 0.006, "swing": -0.8, "reach": -0.25},
+    "confident": {"pace": 0.05, "stride": 0.15, "swing": 0.35, "bend": -0.15, "nod": -0.08, "apart": 0.08,
+        "twist": 0.25, "width": 0.1},
+    "relaxed": {"pace": -0.2, "stride": -0.05, "swing": 0.1, "bend": 0.02, "sway": 0.2, "bounce": -0.1, "tilt": -0.08,
+        "reach": -0.1},
+    "injured": {"pace": -0.5, "stride": -0.4, "limp": 1.0, "bend": 0.4, "roll": 0.12, "raised": 0.2, "ahead": 0.1,
+        "swing": -0.7, "nod": 0.15},
+    "cool": {"pace": -0.15, "stride": 0.05, "sway": 0.45, "swing": 0.25, "bend": -0.1, "tilt": -0.15, "roll": 0.06,
+        "apart": 0.15, "elbow": 0.25, "twist": 0.45, "bounce": 0.3, "toes": 0.3, "width": 0.3, "nod": -0.1},
+    "energetic": {"pace": 0.3, "stride": 0.12, "swing": 0.5, "bounce": 0.5, "lift": 0.06, "raised": 0.15,
+        "elbow": 0.1, "reach": 0.25, "twist": 0.2},
+    "elegant": {"pace": -0.15, "stride": 0.02, "bend": -0.16, "nod": -0.12, "width": -0.5, "sway": 0.3, "swing": -0.1,
+        "elbow": -0.1, "apart": 0.05, "bounce": -0.3},
+    "shy": {"pace": -0.2, "stride": -0.35, "swing": -0.8, "bend": 0.2, "nod": 0.4, "apart": -0.05, "raised": 0.1,
+        "ahead": 0.15, "width": -0.4, "shrug": 0.15, "toes": -0.15, "reach": -0.4},
 }  # fmt: skip
 
 _STYLE_ROWS = np.array([[style.get(field, 0.0) for field in _FIELDS] for style in STYLES.values()])
@@ -108,24 +112,29 @@ _INDIVIDUAL = Manner(
 _INDIVIDUAL_ROW = np.array([getattr(_INDIVIDUAL, field) for field in _FIELDS])
 
 
-def sample_manner(style: str, rng: Generator) -> Manner:
-    """Manner of a random performer in a style ("" for none).
+def sample_individual(rng: Generator) -> Array:
+    """How one performer moves in any style: a row of manner fields.
 
-    Every performer differs: a random part of one or two other styles is mixed in, weaker than the named style.
+    Nobody is neutral: beside chance in every field, a part of one or two styles is mixed in.
+    """
+    row = rng.normal(0.0, 1.0, len(_FIELDS)) * _INDIVIDUAL_ROW
+    strength = rng.uniform(0.0, 0.6, 2) * (rng.random(2) < 0.6)
+    return np.asarray(row + strength @ _STYLE_ROWS[rng.integers(0, len(STYLES), 2)])
+
+
+def sample_manner(style: str, individual: Array, rng: Generator) -> Manner:
+    """Manner of a performer in a style ("" for none), which hides much of what is individual.
 
     Raises
     ------
     KeyError
         If the style is unknown.
     """
-    row = rng.normal(0.0, 1.0, len(_FIELDS)) * _INDIVIDUAL_ROW
-    mixture = rng.integers(0, len(STYLES), 2)
-    strength = rng.uniform(0.0, 0.25 if style else 0.6, 2) * (rng.random(2) < 0.6)
-    row += strength @ _STYLE_ROWS[mixture]
+    row = individual
     if style:
         own = np.array([STYLES[style].get(field, 0.0) for field in _FIELDS])
-        row += own * rng.uniform(0.6, 1.3) * np.exp(rng.normal(0.0, 0.2, len(_FIELDS)))
-    manner = Manner(**dict(zip(_FIELDS, row.tolist(), strict=True)))
+        row = 0.5 * individual + own * rng.uniform(0.6, 1.3) * np.exp(rng.normal(0.0, 0.2, len(_FIELDS)))
+    manner = Manner(**dict(zip(_FIELDS, np.clip(row, -2.0, 2.0).tolist(), strict=True)))
     return manner if rng.random() < 0.5 else replace(manner, roll=-manner.roll, limp=-manner.limp)
 
 
