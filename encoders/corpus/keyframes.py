@@ -223,6 +223,7 @@ def _write(curves: Curves, name: str, value: Array) -> None:
         curves.shrug[:] += value
     elif name.endswith("foot"):
         curves.feet[:, side] += value * outward
+        curves.foot_pitch[:, side] -= np.clip(2.0 * value[:, 1], 0.0, 0.5)  # a raised foot hangs
     elif name.endswith("toes"):
         curves.foot_pitch[:, side] += value[:, 0]
     elif name.endswith("turn"):

@@ -1,0 +1,348 @@
+"""Everyday life: eating and drinking, washing, dressing, and what the body does by itself when it laughs or sneezes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from encoders.corpus.acting import HANDS, ONE_ARM, SIDED, UPPER, Cue, acted, moved
+from encoders.corpus.curves import ARMS
+from encoders.corpus.keyframes import Key, back, key
+
+GROUP = "object"
+MOUTH = (-0.25, 0.14, 0.34)
+
+
+def to_and_fro(
+    c: Cue,
+    channel: str,
+    place: ArrayLike,
+    stroke: Sequence[float],
+    beat: float,
+    low: int,
+    high: int,
+    **others: ArrayLike,
+) -> list[Key]:
+    """Go to a place and move there to and fro by plus and minus `stroke`; `others` belong to the first pose."""
+    place, half = np.asarray(place, np.float64), np.asarray(stroke, np.float64)
+    keys = [key(c.r(0.5, 0.8), **{channel: place}, **others)]
+    for _ in range(c.times(low, high, 2 * beat)):
+        keys += [key(beat, **{channel: place + half}), key(beat, **{channel: place - half})]
+    return keys
+
+
+@acted("drink", group=GROUP, parts=ARMS, sides=HANDS, counts=(1, 4), weight=2)
+def drink(c: Cue) -> list[Key]:
+    """Glass from the belly to the mouth, head and glass tilted back, down again."""
+    hold, lips = c.about((-0.2, -0.4, 0.5), 0.05), c.about(MOUTH, 0.02)
+    keys = [key(c.r(0.5, 0.8), c.r(0.1, 0.5), hand=hold, elbow=0.0)]
+    for _ in range(c.times(1, 2)):
+        keys += [
+            key(c.r(0.5, 0.9), 0.1, hand=lips, elbow=c.r(0.1, 0.4), head=(-0.1, 0, 0)),
+            key(c.r(0.3, 0.5), c.r(0.4, 1.3), hand=moved(lips, 0, 0.07, 0), elbow=c.r(0.4, 0.9), head=(-0.4, 0, 0),
+                spine=(-0.06, 0, 0)),
+            key(c.r(0.5, 0.8), c.r(0.1, 0.5), hand=hold, elbow=0.0, head=(0, 0, 0)),
+        ]  # fmt: skip
+    return [*keys, back(0.6)]
+
+
+@acted("eat", group=GROUP, parts=ARMS, sides=HANDS, counts=(1, 6), weight=1.5)
+def eat(c: Cue) -> list[Key]:
+    plate, keys = c.about((-0.22, -0.48, 0.48), 0.04), list[Key]()
+    bowl = {"off": (-0.3, -0.38, 0.42)} if not c.both and c.chance(0.4) else {}
+    keys = [key(0.6, 0.2, hand=plate, **bowl, head=(0.25, 0, 0))]
+    for _ in range(c.times(2, 4, 1.5)):
+        keys += [
+            key(c.r(0.4, 0.7), c.r(0.1, 0.4), hand=c.about(MOUTH, 0.02), head=(0.1, 0, 0)),
+            key(c.r(0.4, 0.7), c.r(0.1, 0.5), hand=c.about(plate, 0.03), head=(0.25, 0, 0)),
+        ]
+    return [*keys, back(0.6)]
+
+
+@acted("pour", group=GROUP, parts=ARMS, sides=SIDED, counts=(1, 3), precise=True)
+def pour(c: Cue) -> list[Key]:
+    cup, bottle = c.about((-0.32, -0.45, 0.5), 0.03), c.about((-0.05, -0.3, 0.5), 0.03)
+    keys = [key(0.6, 0.2, lead=bottle, off=cup, head=(0.3, 0, 0))]
+    for _ in range(c.times(1, 2)):
+        keys += [
+            key(0.5, c.r(0.6, 1.5), lead=moved(bottle, -0.2, 0.18, 0), lead_elbow=c.r(0.6, 1.1)),
+            key(0.5, 0.2, lead=bottle, lead_elbow=0.0),
+        ]
+    return [*keys, back(0.7)]
+
+
+@acted("unscrew cap", group=GROUP, parts=ARMS, sides=SIDED, counts=(2, 6), precise=True)
+def unscrew_cap(c: Cue) -> list[Key]:
+    bottle, beat = c.about((-0.32, -0.4, 0.42), 0.03), c.r(0.18, 0.28)
+    top = moved(bottle, 0.03, 0.12, 0)
+    keys = [key(0.6, 0.1, off=bottle, lead=top, head=(0.25, 0, 0))]
+    for _ in range(c.times(2, 5, 2 * beat)):
+        keys += [
+            key(beat, lead=moved(top, 0.05, 0.01, -0.02), lead_elbow=0.5),
+            key(beat, lead=top, lead_elbow=0.0),
+        ]
+    return [*keys, key(0.3, lead=moved(top, 0.25, 0.05, 0)), back(0.6)]
+
+
+@acted("shake bottle", group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(3, 8))
+def shake_bottle(c: Cue) -> list[Key]:
+    up = c.r(0.06, 0.15)
+    return [
+        *to_and_fro(c, "hand", c.about((-0.1, -0.2, 0.5), 0.06), (0, up, 0.4 * up), c.r(0.1, 0.16), 4, 10),
+        back(0.6),
+    ]
+
+
+def _rubbed(
+    name: str,
+    spot: ArrayLike,
+    stroke: Sequence[float],
+    beat: tuple[float, float],
+    *,
+    elbow: float = 0.3,
+    nod: float = 0.0,
+) -> None:
+    """Rub or brush a place of the own body with one hand or both."""
+
+    @acted(name, group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(2, 8), precise=True)
+    def rubbed(c: Cue) -> list[Key]:
+        size = c.size(0.3)
+        moves = [s * size for s in stroke]
+        pose = {"elbow": elbow * c.r(0.5, 1.5), "head": (nod, c.r(-0.1, 0.1), 0)}
+        return [*to_and_fro(c, "hand", c.about(spot, 0.02), moves, c.r(*beat), 3, 8, **pose), back(0.6)]
+
+
+_rubbed("brush teeth", (-0.2, 0.16, 0.33), (0.07, 0.0, -0.02), (0.1, 0.17))
+_rubbed("brush hair", (-0.14, 0.38, 0.1), (0.03, 0.16, 0.1), (0.3, 0.5), elbow=0.6, nod=0.1)
+_rubbed("wash hair", (-0.15, 0.45, 0.1), (0.05, 0.04, 0.08), (0.12, 0.2), elbow=0.6, nod=0.25)
+_rubbed("wash face", (-0.24, 0.2, 0.31), (0.02, 0.08, 0.0), (0.16, 0.28), nod=0.3)
+_rubbed("shave", (-0.2, 0.12, 0.28), (0.03, 0.07, 0.02), (0.25, 0.4))
+_rubbed("rub belly", (-0.3, -0.55, 0.32), (0.1, 0.05, 0.0), (0.2, 0.35))
+_rubbed("rub eyes", (-0.26, 0.25, 0.3), (0.03, 0.02, 0.0), (0.12, 0.2), nod=0.15)
+_rubbed("scratch chest", (-0.25, -0.3, 0.28), (0.03, 0.07, 0.0), (0.1, 0.18))
+_rubbed("scratch arm", (-0.75, -0.45, 0.35), (0.03, 0.12, 0.05), (0.14, 0.24))
+_rubbed("pound chest", (-0.25, -0.22, 0.34), (0.04, 0.02, 0.12), (0.11, 0.18))
+_rubbed("fan oneself", (-0.1, 0.0, 0.42), (0.12, 0.02, -0.05), (0.12, 0.2))
+
+
+@acted("wash hands", group=GROUP, parts=ARMS, counts=(3, 8), precise=True)
+def wash_hands(c: Cue) -> list[Key]:
+    place, beat = c.about((-0.27, -0.5, 0.5), 0.04), c.r(0.15, 0.28)
+    keys = [key(0.6, hands=place, spine=(0.2, 0, 0), head=(0.3, 0, 0))]
+    for _ in range(c.times(4, 8, 2 * beat)):
+        slide = c.r(0.04, 0.09)
+        keys += [
+            key(beat, lead=moved(place, -0.04, slide, slide), off=moved(place, 0, -slide, -slide)),
+            key(beat, lead=moved(place, 0, -slide, -slide), off=moved(place, -0.04, slide, slide)),
+        ]
+    return [*keys, back(0.7)]
+
+
+@acted("wash body", group=GROUP, parts=UPPER, sides=SIDED, counts=(2, 6), precise=True)
+def wash_body(c: Cue) -> list[Key]:
+    """The leading hand soaps the other arm, the chest and the neck."""
+    spots = ((-0.75, -0.35, 0.4), (-0.7, -0.05, 0.3), (-0.3, -0.3, 0.3), (-0.2, 0.1, 0.2), (-0.3, -0.6, 0.32))
+    keys = [key(0.5, off=(-0.1, -0.4, 0.55))]
+    for _ in range(c.times(3, 5, 1.4)):
+        spot = np.array(spots[int(c.rng.integers(len(spots)))])
+        for sign in (1, -1, 1):
+            keys += [key(c.r(0.2, 0.35), lead=spot + sign * np.array([0.04, 0.09, 0.03]))]
+    return [*keys, back(0.7)]
+
+
+@acted("tie shoe", group=GROUP, sides=SIDED, precise=True)
+def tie_shoe(c: Cue) -> list[Key]:
+    """Kneel or bend to a foot and work at it with both hands."""
+    kneel = {
+        "root": (0, -0.45, -0.12), "off_foot": (0.02, 0.04, -0.4), "off_toes": -0.8, "spine": (0.75, 0, 0),
+        "pelvis": (0.5, 0, 0.1), "head": (0.2, 0, 0),
+    }  # fmt: skip
+    fold = {"root": (0, -0.12, -0.16), "pelvis": (1.1, 0, 0), "spine": (0.9, 0, 0.1), "head": (0.1, 0, 0)}
+    body = kneel if c.chance(0.6) else fold
+    keys = [key(c.r(0.8, 1.1), 0.2, **body, lead_reach=(0.14, 0.16, 0.16), off_reach=(-0.06, 0.16, 0.16))]
+    for _ in range(int(c.r(3, 7))):
+        a, b = c.r(0.02, 0.08), c.r(0.0, 0.08)
+        keys += [
+            key(c.r(0.2, 0.35), lead_reach=(0.14 + a, 0.18 + b, 0.16), off_reach=(-0.06 + a, 0.18 + b, 0.16)),
+            key(c.r(0.2, 0.35), lead_reach=(0.13, 0.15, 0.17), off_reach=(-0.07, 0.15, 0.17)),
+        ]
+    return [*keys, back(1.0)]
+
+
+@acted("put on hat", group=GROUP, parts=ONE_ARM, sides=HANDS, precise=True)
+def put_on_hat(c: Cue) -> list[Key]:
+    return [
+        key(0.5, 0.1, hand=(-0.2, -0.3, 0.5)),
+        key(c.r(0.6, 0.9), hand=(-0.16, 0.75, 0.2)),
+        key(0.3, c.r(0.2, 0.6), hand=(-0.15, 0.5, 0.12), head=(0.12, 0, 0)),
+        back(0.7),
+    ]
+
+
+@acted("take off hat", group=GROUP, parts=ONE_ARM, sides=HANDS, precise=True)
+def take_off_hat(c: Cue) -> list[Key]:
+    return [
+        key(c.r(0.5, 0.8), 0.15, hand=(-0.15, 0.5, 0.14)),
+        key(0.3, hand=(-0.12, 0.75, 0.25)),
+        key(
+            c.r(0.5, 0.8), c.r(0.3, 0.9), hand=(-0.2, -0.35, 0.45), head=(c.r(0, 0.3), 0, 0), spine=(c.r(0, 0.25), 0, 0)
+        ),
+        back(0.6),
+    ]
+
+
+@acted("put on jacket", group=GROUP, parts=UPPER, sides=SIDED)
+def put_on_jacket(c: Cue) -> list[Key]:
+    """One arm into its sleeve, then the other, then settle it in front."""
+    return [
+        key(0.6, hands=(-0.2, -0.2, 0.5)),
+        key(0.5, lead=(0.45, -0.55, -0.35), off=(-0.6, -0.05, 0.3), spine=(0.05, 0.1, 0.35)),
+        key(0.4, lead=(0.55, 0.0, 0.55), off=(-0.75, 0.05, 0.28), spine=(0, 0, 0)),
+        key(0.5, lead=(0.05, 0.12, 0.25), off=(0.4, -0.55, -0.4), spine=(0.05, -0.1, -0.4)),
+        key(0.4, off=(0.5, -0.05, 0.6), spine=(0, 0, 0)),
+        key(0.5, 0.2, hands=(-0.2, -0.15, 0.35)),
+        key(0.4, hands=(-0.22, -0.5, 0.32)),
+        back(0.6),
+    ]
+
+
+@acted("take off jacket", group=GROUP, parts=UPPER, sides=SIDED)
+def take_off_jacket(c: Cue) -> list[Key]:
+    return [
+        key(0.6, hands=(-0.22, -0.15, 0.32)),
+        key(0.4, hands=(0.2, -0.05, 0.15), shrugs=0.25),
+        key(0.5, lead=(0.3, -0.65, -0.45), off=(0.25, -0.6, -0.42), shrugs=-0.05, spine=(-0.1, 0, 0)),
+        key(0.4, lead=(0.05, -0.55, -0.4), off=(-0.3, -0.65, -0.3), spine=(0.05, 0, 0.25)),
+        key(0.5, 0.2, lead=(0.2, -0.4, 0.55), off=(0.1, -0.7, 0.1), spine=(0, 0, 0)),
+        back(0.6),
+    ]
+
+
+@acted("take off shirt", group=GROUP, parts=UPPER)
+def take_off_shirt(c: Cue) -> list[Key]:
+    return [
+        key(0.6, 0.1, lead=(-0.6, -0.65, 0.33), off=(-0.58, -0.68, 0.36), spine=(0.15, 0, 0), head=(0.2, 0, 0)),
+        key(0.6, lead=(-0.35, 0.3, 0.35), off=(-0.35, 0.28, 0.38), elbows=0.8, spine=(0.2, 0, 0)),
+        key(0.4, 0.1, hands=(0.0, 0.92, 0.15), spine=(-0.1, 0, 0), elbows=0.0),
+        key(0.5, hands=(-0.2, -0.3, 0.5)),
+        back(0.6),
+    ]
+
+
+@acted("zip up", group=GROUP, parts=ARMS, sides=SIDED, precise=True)
+def zip_up(c: Cue) -> list[Key]:
+    return [
+        key(0.6, c.r(0.2, 0.6), lead=(-0.3, -0.72, 0.33), off=(-0.34, -0.76, 0.33), head=(0.35, 0, 0)),
+        key(c.r(0.5, 0.9), 0.1, lead=(-0.33, -0.02, 0.3), head=(0, 0, 0)),
+        back(0.6),
+    ]
+
+
+@acted("yawn", group=GROUP, parts=UPPER, sides=HANDS)
+def yawn(c: Cue) -> list[Key]:
+    """A hand before the mouth while the head falls back, or both arms stretched out and up."""
+    if c.both or (not c.step.side and c.chance(0.5)):
+        stretch = {"hands": c.about((c.r(0.25, 0.6), c.r(0.5, 0.8), 0.0), 0.05)}
+        return [
+            key(c.r(0.8, 1.2), c.r(0.5, 1.2), **stretch, spine=(-0.2, c.r(-0.1, 0.1), 0), head=(-0.3, 0, 0)),
+            back(0.9),
+        ]
+    cover = key(c.r(0.5, 0.8), c.r(0.8, 1.6), lead=MOUTH, head=(-0.3, 0, 0), spine=(-0.1, 0, 0), shrugs=0.15)
+    return [cover, back(0.7)]
+
+
+def _fit(c: Cue, hand: bool, beat: float, deep: float, low: int, high: int) -> list[Key]:
+    """Jerks of the trunk with a hand before the mouth, as when coughing."""
+    cover = {"lead": MOUTH} if hand else {}
+    keys = [key(c.r(0.3, 0.5), **cover, spine=(-0.06, 0, 0), shrugs=0.1)]
+    for _ in range(c.times(low, high, 2.5 * beat)):
+        keys += [
+            key(beat, spine=(deep * c.r(0.7, 1.3), 0, 0), head=(deep * 0.6, 0, 0), shrugs=0.2),
+            key(1.5 * beat, spine=(deep * 0.2, 0, 0), head=(0, 0, 0), shrugs=0.05),
+        ]
+    return keys
+
+
+@acted("cough", group=GROUP, parts=UPPER, sides=SIDED, counts=(1, 5))
+def cough(c: Cue) -> list[Key]:
+    return [*_fit(c, bool(c.step.side) or c.chance(0.85), c.r(0.12, 0.2), c.r(0.2, 0.4), 2, 4), back(0.7)]
+
+
+@acted("sneeze", group=GROUP, parts=UPPER, sides=SIDED, counts=(1, 3))
+def sneeze(c: Cue) -> list[Key]:
+    cover = {"lead": MOUTH} if c.step.side or c.chance(0.8) else {}
+    keys: list[Key] = []
+    for _ in range(c.times(1, 2)):
+        keys += [
+            key(c.r(0.4, 0.7), 0.15, spine=(-0.2, 0, 0), head=(-0.35, 0, 0), lead=(-0.1, -0.05, 0.45)),
+            key(c.r(0.12, 0.2), 0.2, **cover, spine=(c.r(0.35, 0.7), 0, 0), head=(0.4, 0, 0), root=(0, -0.05, -0.03)),
+            back(c.r(0.5, 0.8)),
+        ]
+    return keys
+
+
+@acted("laugh", group=GROUP, parts=UPPER, counts=(3, 10), amplitudes=("small", "large"), weight=1.5)
+def laugh(c: Cue) -> list[Key]:
+    """The chest shakes; hands hold the belly, cover the mouth, slap a thigh or hang."""
+    size, beat = c.size(0.3), c.r(0.1, 0.17)
+    kind = c.rng.random()
+    hands: dict[str, ArrayLike] = {}
+    if kind < 0.35:
+        hands = {"hands": (-0.28, -0.55, 0.33)}
+    elif kind < 0.55:
+        hands = {"lead": MOUTH}
+    lean = c.r(-0.25, 0.5)
+    keys = [key(0.5, **hands, spine=(lean, 0, 0), head=(-0.3 if lean < 0.1 else 0.1, 0, 0))]
+    for _ in range(c.times(5, 12, 2 * beat)):
+        keys += [
+            key(beat, spine=(lean + 0.1 * size, 0, 0), shrugs=0.15 * size),
+            key(beat, spine=(lean - 0.04 * size, c.r(-0.04, 0.04), 0), shrugs=0.0),
+        ]
+    return [*keys, back(0.8)]
+
+
+@acted("cry", group=GROUP, parts=UPPER, counts=(3, 10), weight=1.5)
+def cry(c: Cue) -> list[Key]:
+    """Head down in the hands or a wiping hand, shoulders heaving."""
+    hands: dict[str, ArrayLike] = {"hands": (-0.24, 0.18, 0.3)} if c.chance(0.65) else {"lead": (-0.25, 0.24, 0.3)}
+    bend, beat = c.r(0.15, 0.45), c.r(0.2, 0.35)
+    keys = [key(0.8, 0.2, **hands, spine=(bend, 0, 0), head=(0.4, 0, 0))]
+    for _ in range(c.times(4, 8, 2 * beat)):
+        keys += [
+            key(beat, shrugs=c.r(0.12, 0.25), spine=(bend - 0.08, 0, 0)),
+            key(beat, shrugs=0.0, spine=(bend + 0.04, 0, 0)),
+        ]
+    return [*keys, back(0.9)]
+
+
+def _shiver(name: str, beat: tuple[float, float], size: float, low: int, high: int, hug: float) -> None:
+    @acted(name, group="gesture", parts=UPPER)
+    def shiver(c: Cue) -> list[Key]:
+        arms = (
+            {"lead": (-0.58, -0.3, 0.32), "off": (-0.56, -0.36, 0.36)} if c.chance(hug) else {"hands": (0.1, -0.6, 0.4)}
+        )
+        base = {name: np.asarray(place) for name, place in arms.items()}
+        pace, keys = c.r(*beat), [key(0.5, **arms, spine=(0.15, 0, 0), shrugs=0.15)]
+        for _ in range(c.times(low, high, pace)):
+            jolt = c.rng.normal(0.0, 1.0, 3) * size
+            moves = {name: place + c.rng.normal(0.0, 1.0, 3) * size for name, place in base.items()}
+            keys += [key(pace, **moves, spine=(0.15 + jolt[0], jolt[1], jolt[2]), head=(jolt[1], jolt[2], jolt[0]))]
+        return [*keys, back(0.7)]
+
+
+_shiver("tremble", (0.08, 0.12), 0.04, 14, 30, 0.7)
+_shiver("shake body", (0.12, 0.2), 0.14, 10, 22, 0.0)
+
+
+@acted("rock baby", group=GROUP, parts=UPPER, counts=(2, 8), precise=True)
+def rock_baby(c: Cue) -> list[Key]:
+    beat, wide = c.r(0.6, 1.0), c.r(0.08, 0.2)
+    lead, off = np.array([-0.55, -0.38, 0.4]), np.array([-0.4, -0.45, 0.42])
+    keys = [key(0.8, lead=lead, off=off, head=(0.3, 0.15, 0))]
+    for _ in range(c.times(2, 5, 2 * beat)):
+        for side in (1, -1):
+            swing = np.array([side * wide * 0.4, 0.02, 0.0])
+            keys += [key(beat, lead=lead + swing, off=off - swing, spine=(0, 0.5 * side * wide, side * wide))]
+    return [*keys, back(0.8)]
