@@ -102,7 +102,7 @@ def _leg(figure: Figure, side: str, calibration: Calibration) -> tuple[Array, Ar
     Rigs divide a leg differently at the knee but agree on where the foot is, so the direction from hip to ankle
     is kept and the target's two bones are laid into a triangle over it.
     """
-    first, second, bend = _limb(figure, side, LEG, calibration)
+    first, _, bend = _limb(figure, side, LEG, calibration)
     reach = unit(figure.bone(f"{side}_hip", f"{side}_ankle"))
     pole = unit(first - reach * (first * reach).sum(-1, keepdims=True))
     a, b = (float(BONE_LENGTHS[INDEX[f"{side}_{joint}"]]) for joint in LEG[1:])

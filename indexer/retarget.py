@@ -22,6 +22,11 @@ LEG_LENGTH = float(
     sum(BONE_LENGTHS[INDEX[f"{side}_{joint}"]] for side in ("left", "right") for joint in ("knee", "ankle")) / 2
 )
 
+#: Mean way of a landmark from the hips, in leg lengths, below which a pose is the same.
+_STILL = 0.03
+#: Mean speed of all landmarks, in leg lengths a second, that is no movement: out of rest, and at all.
+_RUSH = 1.5, 5.0
+
 
 def retarget(
     take: Take,
@@ -53,8 +58,9 @@ def retarget(
     rig = map_rig(take, path, joint_map)
     rate = fps or take.fps or FPS
     figure, rest = Figure.of(take.positions, rig), Figure.of(take.rest[None], rig)
-    if begins_with_pose(figure, rest):
-        figure, rest = figure[1:], figure[:1]
+    posing = frames_before_movement(figure, rest, rate)
+    if posing:
+        figure, rest = figure[posing:], figure[:1]
     figure = figure.sampled(_grid(len(figure), rate))
     length = figure.leg_length()
     if not length > 0:
@@ -71,16 +77,25 @@ def _grid(frames: int, rate: float) -> NDArray[np.float64]:
     return np.arange(count) * (rate / FPS)
 
 
-def begins_with_pose(figure: Figure, rest: Figure) -> bool:
-    """Does the first frame show a rest pose or T-pose, which is no movement, while the second does not?"""
-    if len(figure) < 3:
-        return False
-    start = figure[:3].points() - figure[:3].middle("hip")[:, None]
-    size = figure.leg_length()
-    to_rest = np.linalg.norm(start - (rest.points() - rest.middle("hip")[:, None]), axis=-1).mean(axis=-1) / size
-    step = np.linalg.norm(np.diff(start, axis=0), axis=-1).mean(axis=-1) / size
-    jumps = bool(step[0] > 0.05 and step[0] > 4 * step[1])
-    return jumps and (bool(to_rest[0] < 0.03) or is_t_pose(figure[:1]))
+def frames_before_movement(figure: Figure, rest: Figure, rate: float) -> int:
+    """How many first frames are no movement: a rest pose or T-pose, and the rush from there to the first real pose.
+
+    Nobody moves all limbs so fast at once; programs do, that put a pose for binding before the recording and
+    smooth over the seam.
+    """
+    size = max(figure.leg_length(), 1e-9)
+    opening = figure[: round(rate) + 2]
+    shapes = (opening.points() - opening.middle("hip")[:, None]) / size
+    at_rest = (rest.points() - rest.middle("hip")[:, None]) / size
+    posed = np.linalg.norm(shapes - shapes[:1], axis=-1).mean(axis=-1) < _STILL
+    count = len(posed) if posed.all() else int(posed.argmin())
+    speed = np.linalg.norm(np.diff(shapes, axis=0), axis=-1).mean(axis=-1) * rate
+    rush = np.clip(4 * np.median(speed[count - 1 :]) if count < len(shapes) else 0.0, *_RUSH)
+    slow = np.flatnonzero(speed[count - 1 :] < rush)
+    if not len(slow) or slow[0] == 0:
+        return 0
+    is_rest = np.linalg.norm(shapes[0] - at_rest[0], axis=-1).mean() < _STILL
+    return count - 1 + int(slow[0]) if is_rest or is_t_pose(figure[:1]) else 0
 
 
 def is_t_pose(figure: Figure) -> bool:
