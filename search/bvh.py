@@ -16,13 +16,15 @@ from encoders.skeleton import BONE_LENGTHS, JOINTS, PARENTS
 from indexer.figure import Figure
 from indexer.mapping import map_rig
 from indexer.readers import bvh as reader
-from indexer.retarget import begins_with_pose
+from indexer.retarget import frames_before_movement
 
 Array = NDArray[np.float64]
 
 _FRAMES = re.compile(rb"(?P<name>^\s*Frames\s*:?\s*)(?P<value>\d+)", re.IGNORECASE | re.MULTILINE)
 _TIME = re.compile(rb"(?P<name>^\s*Frame\s+Time\s*:?\s*)(?P<value>[\d.eE+-]+)", re.IGNORECASE | re.MULTILINE)
 _HEADER_LINES = 50_000
+#: Frames in which a pose before the movement is looked for.
+_OPENING = 1000
 _CENTIMETRES = 100.0
 
 #: Bones of the written rig in its rest pose, a T-pose: directions that differ from straight up.
@@ -70,7 +72,7 @@ def cut(path: Path, out: IO[bytes], start: float, end: float, *, duration: float
     with path.open("rb") as file:
         header, frames, fps = _header(path, file)
         lines = (line for line in file if line.strip())
-        opening = list(islice(lines, 3))
+        opening = list(islice(lines, _OPENING))
         skipped = _leading_rest(path, header, opening)
         if abs((frames - skipped) / fps - duration) > max(0.2, 2 / fps):
             fps = (frames - skipped) / duration
@@ -103,15 +105,13 @@ def _with_frames(header: bytes, count: int, fps: float) -> bytes:
 
 
 def _leading_rest(path: Path, header: bytes, opening: list[bytes]) -> int:
-    """Frames before the motion begins: one where the file opens with its rest pose, which reading leaves out."""
-    if len(opening) < 3:
-        return 0
-    take = reader.read(path, _with_frames(header, 3, 1.0) + b"".join(opening))
+    """Frames before the motion begins, where the file opens with a pose that is none; reading leaves them out."""
+    take = reader.read(path, _with_frames(header, len(opening), 1.0) + b"".join(opening))
     try:
         rig = map_rig(take, path)
     except UnknownRig:
         return 0
-    return int(begins_with_pose(Figure.of(take.positions, rig), Figure.of(take.rest[None], rig)))
+    return frames_before_movement(Figure.of(take.positions, rig), Figure.of(take.rest[None], rig))
 
 
 def write(out: IO[bytes], motion: Motion) -> None:

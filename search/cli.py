@@ -69,32 +69,39 @@ def cli(debug: bool) -> None:
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and exit with its code."""
-    arguments = sys.argv[1:] if arguments is None else arguments
-    debug = "--debug" in arguments
+    given = sys.argv[1:] if arguments is None else arguments
     try:
-        code = cli.main(args=[a for a in arguments if a != "--debug"], prog_name="motionseek", standalone_mode=False)
+        code = _run([a for a in given if a != "--debug"], debug="--debug" in given)
         sys.stdout.flush()
     except BrokenPipeError:
         # The reader has gone; point stdout away so that the interpreter's own flush stays quiet too.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 141
+    sys.exit(code)
+
+
+def _run(arguments: list[str], *, debug: bool) -> int:
+    """Run a command; the exit code. With `debug`, errors come through as they are."""
+    try:
+        # Not cli.main, which prints errors its own way and calls a reader that goes away a failure.
+        with cli.make_context("motionseek", arguments) as ctx:
+            code = cli.invoke(ctx)
+        return code if isinstance(code, int) else 0
+    except click.exceptions.Exit as ended:
+        return ended.exit_code
+    except BrokenPipeError:
+        raise
     except (KeyboardInterrupt, click.Abort):
-        code = _complain("motionseek: interrupted", 130)
+        return _complain("motionseek: interrupted", 130)
     except click.ClickException as error:
-        code = _complain(_usage_line(error), error.exit_code)
-    except (MotionSeekError, OSError) as error:
-        if debug:
-            raise
-        code = _complain(f"motionseek: {_one_line(error)}", 2 if isinstance(error, QueryError) else 1)
+        return _complain(_usage_line(error), error.exit_code)
     except Exception as error:
         if debug:
             raise
-        code = _complain(
-            f"motionseek: unexpected {type(error).__name__}: {_one_line(error)}; "
-            "run again with --debug and report what it prints",
-            1,
-        )
-    sys.exit(code if isinstance(code, int) else 0)
+        if isinstance(error, (MotionSeekError, OSError)):
+            return _complain(f"motionseek: {_one_line(error)}", 2 if isinstance(error, QueryError) else 1)
+        named = f"unexpected {type(error).__name__}: {_one_line(error)}"
+        return _complain(f"motionseek: {named}; run again with --debug and report what it prints", 1)
 
 
 def _complain(line: str, code: int) -> int:

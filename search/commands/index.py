@@ -52,21 +52,19 @@ def index(
       motionseek index old_rigs/ --joint-map names.json --retry
     """
     from indexer import ingest
+    from indexer.library import FILE, FOLDER
+    from indexer.reencode import reencode
     from search import terminal
     from search.locate import VARIABLE
 
     library = library or os.environ.get(VARIABLE)
     names = read_joint_map(joint_map) if joint_map else None
+    place = Path(library or Path(folders[0]) / FOLDER)
     with progress_bar() as progress:
+        if rebuild and (place / FILE).is_file():
+            reencode(place, progress=progress)
         summary = ingest.index(
-            folders,
-            library=library,
-            jobs=jobs,
-            fps=fps,
-            joint_map=names,
-            retry=retry,
-            rebuild=rebuild,
-            progress=progress,
+            folders, library=library, jobs=jobs, fps=fps, joint_map=names, retry=retry, progress=progress
         )
     if as_json:
         failed = [{"path": path, "reason": reason} for path, reason in summary.failed]

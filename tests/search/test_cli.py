@@ -1,0 +1,335 @@
+"""The command line: what every command promises."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+
+from search.cli import COMMANDS, cli
+from tests.search.conftest import Run
+
+HIT = {"rank", "path", "score", "strength", "start", "end", "duration", "caption"}
+
+
+def _commands(group: click.Group, ctx: click.Context, name: str = "") -> dict[str, click.Command]:
+    found = {}
+    for sub in group.list_commands(ctx):
+        command = group.get_command(ctx, sub)
+        assert command is not None
+        found[f"{name} {sub}".strip()] = command
+        if isinstance(command, click.Group):
+            found |= _commands(command, ctx, f"{name} {sub}".strip())
+    return found
+
+
+ALL = _commands(cli, click.Context(cli))
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_every_command_has_help_with_an_example(name: str) -> None:
+    text = ALL[name].get_help(click.Context(ALL[name], info_name=name))
+    assert "Examples:" in text
+    assert f"motionseek {name.split()[0]}" in text
+    assert "--json" in text or isinstance(ALL[name], click.Group)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_every_option_is_explained(name: str) -> None:
+    options = [p for p in ALL[name].params if isinstance(p, click.Option)]
+    assert [option.opts for option in options if not option.help] == []
+
+
+def test_a_mistyped_command_gets_a_suggestion(run: Run) -> None:
+    ran = run("serach", "a person walks")
+    assert ran.code == 2
+    assert ran.err.count("\n") == 1
+    assert "did you mean 'search'" in ran.err
+
+
+def test_a_mistyped_option_gets_a_suggestion(run: Run) -> None:
+    ran = run("search", "walks", "--min-duratoin", "3")
+    assert ran.code == 2
+    assert ran.err.count("\n") == 1
+    assert "--min-duration" in ran.err
+
+
+def test_version(run: Run) -> None:
+    assert run("--version").out.startswith("motionseek ")
+
+
+def test_no_library_is_one_line_that_says_what_to_do(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    ran = run("search", "a person walks")
+    assert ran.code == 1
+    assert ran.out == ""
+    assert ran.err.count("\n") == 1
+    assert "motionseek index FOLDER" in ran.err
+
+
+def test_an_error_is_a_traceback_only_with_debug(indexed: Path, run: Run) -> None:
+    from encoders.errors import LibraryError
+    from search.cli import main
+
+    assert "Traceback" not in run("export", "nothing", "x.npy", "--library", indexed).err
+    with pytest.raises(LibraryError):
+        main(["--debug", "export", "nothing", "x.npy", "--library", str(indexed)])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["search", ""], "empty"),
+        (["search", "?!"], "empty"),
+        (["search", "walks", "-k", "0"], "-k"),
+        (["search", "walks", "--min-duration", "5", "--max-duration", "2"], "no clip can be both"),
+        (["search"], "SENTENCE"),
+        (["moments", "walks", "--plot", "x.png"], "CLIP"),
+        (["moments", "walks", "--then", "sits", "--while", "waves", "take 1"], "together"),
+        (["export", "take 1", "x.fbx"], ".bvh, .npz, .npy"),
+        (["export", "take 1", "x.npy", "--start", "9"], "outside"),
+        (["segment", "take 1", "--labels", " , "], "--labels"),
+        (["similar", "take 1", "--start", "3", "--end", "2"], "outside"),
+    ],
+)
+def test_wrong_usage_exits_with_2_and_one_line(
+    indexed: Path, run: Run, monkeypatch: pytest.MonkeyPatch, arguments: list[str], said: str
+) -> None:
+    monkeypatch.chdir(indexed)
+    ran = run(*arguments)
+    assert (ran.code, ran.err.count("\n")) == (2, 1), ran.err
+    assert said in ran.err
+
+
+def test_index_reports_what_it_did(takes: Path, run: Run, tmp_path: Path) -> None:
+    library = tmp_path / "lib"
+    first = run("index", takes, "--library", library, "--json", "--jobs", 1)
+    assert first.code == 1  # one file is broken
+    assert {"indexed", "unchanged", "moved", "gone", "failed", "seconds"} <= set(first.document)
+    assert first.document["indexed"] == 5
+    assert [Path(f["path"]).name for f in first.document["failed"]] == ["broken.bvh"]
+    again = run("index", takes, "--library", library, "--jobs", 1)
+    assert "unchanged" in again.out
+    assert "indexed" not in again.out
+
+
+def test_index_of_an_empty_folder(run: Run, tmp_path: Path) -> None:
+    ran = run("index", tmp_path)
+    assert ran.code == 0
+    assert "no motion files" in ran.out
+    assert run("search", "walks", "--library", tmp_path, "--json").document == {"query": "walks", "hits": []}
+    assert "empty" in run("search", "walks", "--library", tmp_path).err
+
+
+@pytest.mark.parametrize("command", ["search", "moments"])
+def test_answers_as_json(indexed: Path, run: Run, command: str) -> None:
+    found = run(command, "a person walks", "--library", indexed, "--json", "-k", 3).document
+    assert found["query"] == "a person walks"
+    assert len(found["hits"]) == 3
+    for rank, hit in enumerate(found["hits"], start=1):
+        assert set(hit) == HIT
+        assert hit["rank"] == rank
+        assert (indexed / hit["path"]).is_file()
+        assert 0 <= hit["start"] < hit["end"] <= hit["duration"]
+
+
+def test_similar_as_json_leaves_the_clip_itself_out(indexed: Path, run: Run) -> None:
+    found = run("similar", "take 2", "--library", indexed, "--json").document
+    assert found["query"] == "take 2"
+    assert {hit["path"] for hit in found["hits"]} == {
+        "take 0.npy", "take 1.npy", "take 3.npy", "deep er/bücken.bvh"
+    }  # fmt: skip
+
+
+def test_similar_moments_of_a_cut(indexed: Path, run: Run) -> None:
+    arguments = [
+        "similar",
+        "take 3.npy",
+        "--start",
+        2,
+        "--end",
+        5,
+        "--moments",
+        "--library",
+        indexed,
+        "--json",
+        "-k",
+        2,
+    ]
+    assert {hit["path"] for hit in run(*arguments).document["hits"]}.isdisjoint({"take 3.npy"})
+
+
+def test_describe_as_json(indexed: Path, run: Run) -> None:
+    found = run("describe", "take 1.npy", "--library", indexed, "--json", "-k", 4).document
+    assert set(found) == {"path", "sentences"}
+    assert [set(sentence) for sentence in found["sentences"]] == [{"text", "score"}] * 4
+
+
+def test_moments_of_a_file_that_is_not_indexed(
+    takes: Path, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    found = run("moments", "a person walks", takes / "take 3.npy", "--json", "-k", 2).document
+    assert set(found) == {"query", "hits", "curve"}
+    assert len(found["curve"]["times"]) == len(found["curve"]["similarity"]["a person walks"])
+
+
+def test_steps_are_shown_with_their_spans(indexed: Path, run: Run) -> None:
+    found = run("moments", "walks, then sits down", "take 3", "--library", indexed, "--json").document
+    assert found["sentences"] == ["walks", "sits down"]
+    first, second = found["hits"][0]["steps"]
+    assert first["end"] <= second["start"] + 1e-6
+    explicit = run("moments", "--then", "walks", "--then", "sits down", "take 3", "--library", indexed, "--json")
+    assert explicit.document["hits"] == found["hits"]
+    whole = run("moments", "walks, then sits down", "take 3", "--no-split", "--library", indexed, "--json").document
+    assert "steps" not in whole["hits"][0]
+
+
+def test_steps_in_the_whole_library(indexed: Path, run: Run) -> None:
+    found = run("moments", "walks, then sits down", "--library", indexed, "--json", "-k", 2).document
+    assert all(len(hit["steps"]) == 2 for hit in found["hits"])
+
+
+def test_segments_cover_the_take(indexed: Path, run: Run, tmp_path: Path) -> None:
+    out = tmp_path / "labels.tsv"
+    ran = run("segment", "take 3", "--labels", "walk, sit down", "--library", indexed, "-o", out, "--json")
+    segments = ran.document["segments"]
+    assert segments[0]["start"] == 0
+    assert segments[-1]["end"] == 20
+    assert all(a["end"] == b["start"] for a, b in zip(segments, segments[1:], strict=False))
+    assert out.read_text(encoding="utf-8").splitlines()[0] == "start\tend\tlabel\tscore"
+
+
+def test_nothing_is_overwritten_without_force(indexed: Path, run: Run, tmp_path: Path) -> None:
+    out = tmp_path / "cut.npy"
+    out.write_text("mine")
+    for arguments in (["export", "take 3", out], ["moments", "walks", "take 3", "--plot", out]):
+        ran = run(*arguments, "--library", indexed)
+        assert (ran.code, ran.err.count("\n")) == (1, 1)
+        assert "--force" in ran.err
+    assert out.read_text() == "mine"
+    assert run("export", "take 3", out, "--force", "--library", indexed).code == 0
+
+
+def test_status(indexed: Path, run: Run) -> None:
+    assert run("status", "--library", indexed, "--json").document["clips"] == 5
+    failed = run("status", "--failed", "--library", indexed, "--json").document["failed"]
+    assert [Path(f["path"]).name for f in failed] == ["broken.bvh"]
+
+
+def test_model_info(run: Run) -> None:
+    assert {"name", "fingerprint", "licence", "latent_size"} <= set(run("model", "info", "--json").document)
+
+
+def test_filters(indexed: Path, run: Run) -> None:
+    def paths(*filters: object) -> set[str]:
+        found = run("search", "walks", "--library", indexed, "--json", *filters).document
+        return {hit["path"] for hit in found["hits"]}
+
+    assert paths("--min-duration", 7) == {"take 2.npy", "take 3.npy"}
+    assert paths("--max-duration", 3) == {"take 0.npy"}
+    assert paths("--path", "deep er/*") == paths("--format", "bvh") == {"deep er/bücken.bvh"}
+    assert paths("--captioned") == {"take 1.npy", "take 3.npy"}
+    assert paths("--path", "'; DROP TABLE clips; --") == set()
+    assert len(paths("--uncaptioned")) == 3
+
+
+def test_the_caption_of_a_hit_is_that_of_its_span(indexed: Path, run: Run) -> None:
+    found = run("moments", "walks", "take 3", "--library", indexed, "--json", "-k", 20).document["hits"]
+    for hit in found:
+        spoken = {"bückt sich": (2, 5), "waves": (6, 9)}
+        if hit["caption"]:
+            start, end = spoken[hit["caption"]]
+            assert hit["start"] < end
+            assert hit["end"] > start
+
+
+def test_piped_answers_are_lines_with_tabs(indexed: Path, run: Run) -> None:
+    lines = run("search", "a person walks", "--library", indexed).out.splitlines()
+    assert len(lines) == 5
+    assert all(len(line.split("\t")) == 7 for line in lines)
+
+
+def test_the_library_is_the_nearest_one_upward(
+    indexed: Path, run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(indexed / "deep er")
+    assert run("status", "--json").document["clips"] == 5
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MOTIONSEEK_LIBRARY", str(indexed))
+    assert run("status", "--json").document["clips"] == 5
+
+
+def _python(*arguments: str, **more: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, **more}
+    return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, env=environment, check=False)
+
+
+BLOCKED = """
+import sys
+class Block:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] == "torch":
+            raise ImportError(f"{name} is blocked")
+sys.meta_path.insert(0, Block())
+import json, encoders.bundle, pathlib
+encoders.bundle.DEFAULT = pathlib.Path(sys.argv[1])
+from search.cli import main
+for arguments in json.loads(sys.argv[2]):
+    try:
+        main(arguments)
+    except SystemExit as ended:
+        assert ended.code == 0, (arguments, ended.code)
+assert "torch" not in sys.modules
+"""
+
+
+def test_no_command_loads_torch(indexed: Path, tiny_bundle: Path, tmp_path: Path) -> None:
+    library = ["--library", str(indexed)]
+    ran = [
+        ["index", str(tmp_path / "none")],
+        ["search", "a person walks", *library],
+        ["moments", "a person walks", "take 3", "--plot", str(tmp_path / "x.png"), *library],
+        ["describe", "take 3", *library],
+        ["similar", "take 3", *library],
+        ["segment", "take 3", "--labels", "walk", *library],
+        ["export", "take 3", str(tmp_path / "x.bvh"), *library],
+        ["status", *library],
+        ["model", "info"],
+    ]
+    (tmp_path / "none").mkdir()
+    done = _python("-c", BLOCKED, str(tiny_bundle), json.dumps(ran))
+    assert done.returncode == 0, done.stderr
+    assert {arguments[0] for arguments in ran} | {"demo"} == set(COMMANDS)
+
+
+def test_help_needs_no_heavy_import() -> None:
+    code = (
+        "import sys; from search.cli import main\n"
+        "try: main(['--help'])\n"
+        "except SystemExit: pass\n"
+        "print(sorted({'numpy', 'onnxruntime', 'faiss', 'rich', 'torch', 'matplotlib'} & set(sys.modules)))"
+    )
+    assert _python("-c", code).stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize("arguments", [["status"], ["search", "--help"]])
+def test_a_reader_that_goes_away_is_no_error(indexed: Path, arguments: list[str]) -> None:
+    script = "import sys; from search.cli import main; main(sys.argv[1:])"
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, *arguments, "--library", str(indexed)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    process.stdout.close()
+    assert process.stderr is not None
+    with process.stderr as err:
+        assert err.read() == ""
+    assert process.wait() == 141
