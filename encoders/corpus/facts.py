@@ -6,8 +6,12 @@ pair is no negative for contrastive training; "walks left" against "walks right"
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
 
 from encoders.corpus.scene import Scene, Step
 
@@ -38,3 +42,13 @@ def facts(scene: Scene) -> frozenset[str]:
 def _named(action: str, step: Step) -> set[str]:
     """The action, and each particular of it."""
     return {action} | {f"{action}.{name}={value}" for name in _PARTICULARS if (value := getattr(step, name))}
+
+
+def stated_by(meanings: Sequence[Iterable[int]], facts: Sequence[Iterable[int]], size: int) -> NDArray[np.bool_]:
+    """Whether each meaning (rows) holds in each motion (columns): all its facts are among the motion's."""
+    rows, columns = np.zeros((len(meanings), size), np.float32), np.zeros((len(facts), size), np.float32)
+    for i, row in enumerate(meanings):
+        rows[i, list(row)] = 1
+    for j, column in enumerate(facts):
+        columns[j, list(column)] = 1
+    return np.asarray(rows @ (1 - columns).T == 0) & rows.any(axis=1)[:, None]

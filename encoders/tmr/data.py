@@ -123,16 +123,6 @@ class PairStore:
             )
 
 
-def stated_by(meanings: Sequence[Iterable[int]], facts: Sequence[Iterable[int]], size: int) -> NDArray[np.bool_]:
-    """Whether each meaning (rows) holds in each motion (columns): all its facts are among the motion's."""
-    rows, columns = np.zeros((len(meanings), size), np.float32), np.zeros((len(facts), size), np.float32)
-    for i, row in enumerate(meanings):
-        rows[i, list(row)] = 1
-    for j, column in enumerate(facts):
-        columns[j, list(column)] = 1
-    return np.asarray(rows @ (1 - columns).T == 0) & rows.any(axis=1)[:, None]
-
-
 def sides_conflict(texts: Sequence[str]) -> NDArray[np.bool_]:
     """Pairs of sentences (B, B), one saying only left, the other only right: alike but false for each other."""
     left = np.array([bool(_LEFT.search(t)) for t in texts])

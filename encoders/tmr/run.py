@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from encoders.corpus.facts import stated_by
 from encoders.metrics import ranks
-from encoders.tmr.data import PairStore, stated_by
+from encoders.tmr.data import PairStore
 from encoders.tmr.embed import embed_motions, embed_texts
 from encoders.tmr.language import LanguageModel
 from encoders.tmr.network import TMR

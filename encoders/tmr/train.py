@@ -22,8 +22,9 @@ import torch.nn.functional as F
 from numpy.typing import NDArray
 from torch import Tensor
 
+from encoders.corpus.facts import stated_by
 from encoders.tmr import losses
-from encoders.tmr.data import PairStore, sides_conflict, stated_by
+from encoders.tmr.data import PairStore, sides_conflict
 from encoders.tmr.network import TMR, Config, Encoder, Gaussian, Tower
 from encoders.tmr.tokens import TokenTable, pad
 

@@ -1,0 +1,61 @@
+"""How well sentences find the files of an archive that has descriptions: the project's real validation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from encoders.bundle import Bundle
+from encoders.corpus.real import CaptionedTake
+from encoders.metrics import ranks
+from search.query import encode_queries
+
+
+@dataclass(frozen=True)
+class DescribedReport:
+    """Rank of the best right file for every sentence, by description.
+
+    Attributes
+    ----------
+    files : number of files in the gallery
+    ranks : {description: 0-based ranks of its sentences, the description itself first}
+    """
+
+    files: int
+    ranks: dict[str, list[float]]
+
+    def found(self, k: int) -> float:
+        """Percent of sentences whose best right file is among the first k, averaged over descriptions."""
+        return 100 * float(np.mean([np.mean(np.array(row) < k) for row in self.ranks.values()]))
+
+    def as_dict(self) -> dict[str, object]:
+        return {
+            "files": self.files,
+            "descriptions": len(self.ranks),
+            **{f"R@{k}": self.found(k) for k in (1, 5, 10)},
+            "ranks": {description: [r + 1 for r in row] for description, row in self.ranks.items()},
+        }
+
+
+def evaluate_described(takes: Iterable[CaptionedTake], bundle: Bundle) -> DescribedReport:
+    """Ask for each description, and for each sentence people wrote about its files; gallery: all the files whole.
+
+    A file is right for a description if its owner described it so, in whatever rig. Files described as "unknown" stay
+    in the gallery and are never asked for.
+    """
+    takes = list(takes)
+    gallery = bundle.encode_motions([take.motion for take in takes])
+    descriptions = np.array([take.description for take in takes])
+    asked: dict[str, list[str]] = {}
+    for take in takes:
+        if take.description and take.description.lower() != "unknown":
+            sentences = asked.setdefault(take.description, [take.description])
+            sentences += [c for span in take.spans for c in span.captions if c not in sentences]
+    found = {}
+    for description, sentences in asked.items():
+        similarity = encode_queries(bundle, sentences) @ gallery.T
+        right = np.broadcast_to(descriptions == description, similarity.shape)
+        found[description] = ranks(similarity, right).tolist()
+    return DescribedReport(len(takes), found)

@@ -1,0 +1,26 @@
+"""Does the model know when there is nothing? How often sentences about other things are called strong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.bundle import Bundle
+from search import strength
+from search.query import encode_queries
+
+SENTENCES = Path(__file__).parent / "data" / "out_of_domain.txt"
+
+
+def evaluate_nonsense(bundle: Bundle, gallery: NDArray[np.float32]) -> dict[str, float]:
+    """Percent of out-of-domain sentences whose best hit in a gallery (N, D) is called strong, or plausible."""
+    sentences = [line for line in SENTENCES.read_text(encoding="utf-8").splitlines() if line.strip()]
+    queries = encode_queries(bundle, sentences)
+    judged = [strength.judge(bundle, q, [float(np.max(gallery @ q))])[0] for q in queries]
+    return {
+        "sentences": float(len(sentences)),
+        "strong": 100 * float(np.mean([j == strength.STRONG for j in judged])),
+        "plausible": 100 * float(np.mean([j == strength.PLAUSIBLE for j in judged])),
+    }
