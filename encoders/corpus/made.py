@@ -116,7 +116,8 @@ def made_clips(
     """
     rng = np.random.default_rng(seed)
     while count > 0:
-        scene, said = None, ()
+        scene: Scene | None = None
+        said: tuple[str, ...] = ()
         if len(sentences) and rng.random() < human_share:
             sentence = sentences[int(rng.integers(len(sentences)))]
             scene = parse(sentence)

@@ -330,7 +330,7 @@ class Trainer:
                 f"the loss is {loss.item()} at step {self.step}: { {k: v.item() for k, v in terms.items()} }"
             )
         self.optimiser.zero_grad()
-        loss.backward()  # type: ignore[no-untyped-call]
+        loss.backward()
         torch.nn.utils.clip_grad_norm_(self.model.parameters(), 1.0)
         self.optimiser.step()
         with torch.no_grad():
