@@ -108,9 +108,10 @@ def made_clips(
     *,
     sentences: Sequence[str] = (),
     human_share: float = 0.4,
+    longest: float = 12.8,
     held_out: Callable[[str], bool] | None = None,
 ) -> Iterator[Made]:
-    """`count` made clips; a share of them act out human sentences that can be read surely.
+    """`count` made clips of at most `longest` seconds; a share of them act out human sentences that can be read surely.
 
     The same seed makes the same clips.
     """
@@ -125,6 +126,6 @@ def made_clips(
             if scene is None:
                 continue
         made = make(scene or random_scene(rng), rng, kind, said=said, held_out=held_out)
-        if made.captions:
+        if made.captions and len(made.features) <= longest * kind.fps:
             count -= 1
             yield made

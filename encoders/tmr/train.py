@@ -79,7 +79,7 @@ class Recipe:
     averaging: float = 0.995
     sampled: bool = False
     decoded: int = 64
-    max_frames: int = 120
+    max_frames: int = 128
     seed: int = 0
     bf16: bool = False
 
