@@ -73,7 +73,7 @@ def cut(path: Path, out: IO[bytes], start: float, end: float, *, duration: float
         header, frames, fps = _header(path, file)
         lines = (line for line in file if line.strip())
         opening = list(islice(lines, _OPENING))
-        skipped = _leading_rest(path, header, opening)
+        skipped = _skipped(path, header, opening, fps)
         if abs((frames - skipped) / fps - duration) > max(0.2, 2 / fps):
             fps = (frames - skipped) / duration
         first = skipped + round(start * fps)
@@ -104,14 +104,14 @@ def _with_frames(header: bytes, count: int, fps: float) -> bytes:
     return _TIME.sub(lambda found: found["name"] + b"%.8g" % (1 / fps), header)
 
 
-def _leading_rest(path: Path, header: bytes, opening: list[bytes]) -> int:
+def _skipped(path: Path, header: bytes, opening: list[bytes], fps: float) -> int:
     """Frames before the motion begins, where the file opens with a pose that is none; reading leaves them out."""
-    take = reader.read(path, _with_frames(header, len(opening), 1.0) + b"".join(opening))
+    take = reader.read(path, _with_frames(header, len(opening), fps) + b"".join(opening))
     try:
         rig = map_rig(take, path)
     except UnknownRig:
         return 0
-    return frames_before_movement(Figure.of(take.positions, rig), Figure.of(take.rest[None], rig))
+    return frames_before_movement(Figure.of(take.positions, rig), Figure.of(take.rest[None], rig), fps)
 
 
 def write(out: IO[bytes], motion: Motion) -> None:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from encoders.errors import QueryError
 from encoders.motion import Motion
-from indexer.library import Clip, Library
+from indexer.clips import Clip
+from indexer.library import Library
 from search.dense import Vectors
 from search.evidence import Evidence, best_evidence, likeliest
 from search.filters import Filters

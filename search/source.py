@@ -10,7 +10,8 @@ from pathlib import Path
 from encoders.errors import LibraryError, QueryError, UnreadableMotion
 from encoders.motion import Motion
 from indexer import load_motion
-from indexer.library import Caption, Clip, Library
+from indexer.clips import Caption, Clip
+from indexer.library import Library
 from indexer.windows import Windows
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from encoders.bundle import Bundle
 from encoders.motion import Motion
-from indexer.library import Caption
+from indexer.clips import Caption
 from search.chains import best_chain, candidates, whole
 from search.dense import Vectors, curve, every, score_windows
 from search.hits import Hit, Step

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import subprocess
@@ -201,7 +202,7 @@ def test_segments_cover_the_take(indexed: Path, run: Run, tmp_path: Path) -> Non
     segments = ran.document["segments"]
     assert segments[0]["start"] == 0
     assert segments[-1]["end"] == 20
-    assert all(a["end"] == b["start"] for a, b in zip(segments, segments[1:], strict=False))
+    assert all(a["end"] == b["start"] for a, b in itertools.pairwise(segments))
     assert out.read_text(encoding="utf-8").splitlines()[0] == "start\tend\tlabel\tscore"
 
 

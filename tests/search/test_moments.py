@@ -38,7 +38,6 @@ def test_several_moments_of_one_query() -> None:
     truth = [(5.0, 7.0), (20.0, 23.0), (31.0, 34.5)]
     found = localise(MeanEncoder(), take(40, *((a, b, 1) for a, b in truth)), FPS, query(1), 3)
     assert all(max(_overlap(moment, a, b) for moment in found) > 0.5 for a, b in truth)
-    assert [m.score for m in found] == sorted((m.score for m in found), reverse=True)
 
 
 def test_answers_do_not_overlap() -> None:
