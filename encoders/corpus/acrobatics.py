@@ -18,8 +18,7 @@ def _carry_feet(curves: Curves, weight: Array, offset: tuple[float, float, float
     """Let the feet follow the pelvis at `offset` (outward, up, forward of the hips' middle) as far as `weight` says."""
     frame = rotation(*curves.pelvis.T)
     for side, sign in ((0, 1.0), (1, -1.0)):
-        away = np.broadcast_to(np.array(offset) * [sign, 1.0, 1.0], (len(curves), 3))
-        follow = curves.root + turn(frame, away)
+        follow = curves.root + turn(frame, np.array([offset]) * [sign, 1.0, 1.0])[:, 0]
         curves.feet[:, side] += (follow - curves.feet[:, side]) * weight[:, None]
         # The sole turns with the shin; beyond upright the toes point up.
         curves.foot_pitch[:, side] -= weight * curves.pelvis[:, 0]

@@ -1,6 +1,6 @@
 """Bodies: random but human skeleton geometry, and posing one from curves by two-bone inverse kinematics.
 
-Everything is vectorised over frames; a geometry may be one body, or one body a frame (many clips in one call).
+Everything is vectorised over frames, and the four limbs are solved together.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
 from encoders.corpus.curves import ANKLE, Array, Curves
 from encoders.skeleton import INDEX, MIRROR
@@ -58,8 +57,9 @@ _WOBBLE[_FEET] = [0.012, 0.02, 0.015]
 
 def rotation(pitch: Array, roll: Array, yaw: Array) -> Array:
     """Rotation matrices (..., 3, 3): yaw about Y after pitch (forward) about X after roll (to the left) about Z."""
-    cp, sp, cr, sr, cy, sy = np.cos(pitch), np.sin(pitch), np.cos(roll), -np.sin(roll), np.cos(yaw), np.sin(yaw)
-    out = np.empty((*np.shape(pitch), 3, 3))
+    angles = np.stack([pitch, -np.asarray(roll), yaw])
+    (cp, cr, cy), (sp, sr, sy) = np.cos(angles), np.sin(angles)
+    out = np.empty((*cp.shape, 3, 3))
     out[..., 0, 0] = cy * cr + sy * sp * sr
     out[..., 0, 1] = sy * sp * cr - cy * sr
     out[..., 0, 2] = sy * cp
@@ -72,19 +72,22 @@ def rotation(pitch: Array, roll: Array, yaw: Array) -> Array:
     return out
 
 
-def turn(matrix: Array, vector: Array) -> Array:
-    """Rotate vectors (..., 3) by matrices (..., 3, 3)."""
-    return np.asarray((matrix @ vector[..., None])[..., 0])
+def turn(matrix: Array, vectors: Array) -> Array:
+    """Rotate vectors by matrices (F, 3, 3): (K, 3), the same in every frame, or (F, K, 3); gives (F, K, 3)."""
+    if vectors.ndim == 2:
+        return np.asarray((matrix.reshape(-1, 3) @ vectors.T).reshape(-1, 3, len(vectors)).swapaxes(1, 2))
+    return np.asarray(vectors @ matrix.swapaxes(1, 2))
 
 
-def _unit(vector: Array) -> Array:
-    return np.asarray(vector / np.sqrt(np.maximum((vector * vector).sum(-1, keepdims=True), 1e-12)))
+def _dot(a: Array, b: Array) -> Array:
+    return np.asarray(np.einsum("...i,...i->...", a, b)[..., None])
 
 
 def _cross(a: Array, b: Array) -> Array:
-    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
-    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        out[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
+    return out
 
 
 def two_bone(start: Array, target: Array, upper: Array, lower: Array, pole: Array) -> tuple[Array, Array]:
@@ -100,135 +103,131 @@ def two_bone(start: Array, target: Array, upper: Array, lower: Array, pole: Arra
         Direction that the middle joint bends towards.
     """
     line = target - start
-    distance = np.sqrt((line * line).sum(-1))
-    axis = line / np.maximum(distance, 1e-6)[..., None]
+    distance = np.sqrt(_dot(line, line))
+    axis = line / np.maximum(distance, 1e-6)
+    upper, lower = upper[..., None], lower[..., None]
     distance = np.clip(distance, np.abs(upper - lower) + 0.02, (upper + lower) * 0.9985)
     along = (distance * distance + upper * upper - lower * lower) / (2 * distance)
     away = np.sqrt(np.maximum(upper * upper - along * along, 0.0))
-    side = _unit(pole - (pole * axis).sum(-1, keepdims=True) * axis)
-    middle = start + along[..., None] * axis + away[..., None] * side
-    return middle, start + distance[..., None] * axis
+    side = pole - _dot(pole, axis) * axis
+    side *= away / np.sqrt(np.maximum(_dot(side, side), 1e-12))
+    return start + along * axis + side, start + distance * axis
 
 
 def _swing(pole: Array, axis: Array, angle: Array) -> Array:
     """Turn `pole` about a unit `axis` (Rodrigues), the part along the axis left out."""
-    pole = pole - (pole * axis).sum(-1, keepdims=True) * axis
+    pole = pole - _dot(pole, axis) * axis
     return np.asarray(np.cos(angle)[..., None] * pole + np.sin(angle)[..., None] * _cross(axis, pole))
-
-
-@dataclass(frozen=True)
-class _Torso:
-    joints: Array
-    pelvis: Array
-    chest: Array
-    facing: Array
-
-
-def _torso(curves: Curves, offsets: Array, scale: Array) -> _Torso:
-    """Spine, head, hips and shoulders by forward kinematics: joints (F, 22, 3) with the limbs still empty."""
-    joints = np.zeros((len(curves), 22, 3))
-    facing = rotation(np.zeros(len(curves)), np.zeros(len(curves)), curves.heading)
-    pelvis = facing @ rotation(*curves.pelvis.T)
-    bend = rotation(*(curves.spine.T / 3))
-    hips = np.moveaxis(offsets[..., _HIPS, :], -2, 0)
-    root = curves.root * scale
-    joints[:, 0] = root - turn(pelvis, hips.mean(0) + np.zeros((len(curves), 3)))
-    for side in (0, 1):
-        joints[:, _HIPS[side]] = joints[:, 0] + turn(pelvis, hips[side])
-    frame = pelvis
-    joints[:, 3] = joints[:, 0] + turn(frame, offsets[..., 3, :])
-    for parent, child in ((3, 6), (6, 9)):
-        frame = frame @ bend
-        joints[:, child] = joints[:, parent] + turn(frame, offsets[..., child, :])
-    chest = frame @ bend
-    joints[:, 12] = joints[:, 9] + turn(chest, offsets[..., 12, :])
-    joints[:, 15] = joints[:, 12] + turn(chest @ rotation(*(curves.head.T * 0.75)), offsets[..., 15, :])
-    lift = curves.shrug + 0.35 * np.clip(curves.hands[..., 1] + 0.1, 0.0, 1.1) * (1 - curves.reach_weight)
-    cos, sin = np.cos(lift), np.sin(lift)
-    for side, sign in ((0, 1.0), (1, -1.0)):
-        joints[:, _COLLARS[side]] = joints[:, 9] + turn(chest, offsets[..., _COLLARS[side], :])
-        bone = np.broadcast_to(offsets[..., _SHOULDERS[side], :], (len(curves), 3)).copy()
-        x, y = bone[:, 0] * sign, bone[:, 1]
-        bone[:, 0], bone[:, 1] = (x * cos[:, side] - y * sin[:, side]) * sign, x * sin[:, side] + y * cos[:, side]
-        joints[:, _SHOULDERS[side]] = joints[:, _COLLARS[side]] + turn(chest, bone)
-    return _Torso(joints, pelvis, chest, facing)
-
-
-def _length(offsets: Array, joints: list[int]) -> Array:
-    return np.sqrt((offsets[..., joints, :] ** 2).sum(-1))
-
-
-def _pose_legs(curves: Curves, torso: _Torso, offsets: Array, scale: Array) -> None:
-    upper, lower = _length(offsets, _KNEES), _length(offsets, _ANKLES)
-    hips = torso.joints[:, _HIPS]
-    ankles = curves.feet * scale[..., None, :]
-    axis = _unit(ankles - hips)
-    # The rest pole +Z of the pelvis, carried by the smallest turn that brings the hanging leg to its line.
-    pelvis_up, pelvis_front = torso.pelvis[:, None, :, 1], torso.pelvis[:, None, :, 2]
-    pole = _carry(pelvis_front, -pelvis_up, axis)
-    toes = np.stack([np.sin(curves.foot_yaw), np.zeros_like(curves.foot_yaw), np.cos(curves.foot_yaw)], -1)
-    pole = _swing(pole + 0.5 * toes * np.clip(-axis[..., 1:2], 0.0, 1.0), axis, -curves.knee)
-    knees, ankles = two_bone(hips, ankles, upper, lower, pole)
-    torso.joints[:, _KNEES], torso.joints[:, _ANKLES] = knees, ankles
-    foot = rotation(-curves.foot_pitch, np.zeros_like(curves.foot_pitch), curves.foot_yaw)
-    torso.joints[:, _FEET] = ankles + turn(foot, np.broadcast_to(offsets[..., _FEET, :], ankles.shape))
 
 
 def _carry(vector: Array, source: Array, target: Array) -> Array:
     """Turn `vector` (at right angles to `source`) by the smallest rotation that takes `source` to `target`."""
-    dot = (source * target).sum(-1, keepdims=True)
-    along = (vector * target).sum(-1, keepdims=True)
-    return np.asarray(vector - (source + target) * along / np.maximum(1.0 + dot, 0.05))
+    return np.asarray(
+        vector - (source + target) * (_dot(vector, target) / np.maximum(1.0 + _dot(source, target), 0.05))
+    )
 
 
-def _pose_arms(curves: Curves, torso: _Torso, offsets: Array, scale: Array) -> None:
-    upper, lower = _length(offsets, _ELBOWS), _length(offsets, _WRISTS)
-    shoulders = torso.joints[:, _SHOULDERS]
-    arm = (upper + lower)[..., None]
-    own = curves.hands * arm * _OUT
-    lean = turn(torso.chest[:, None], own)
-    # Gravity's frame keeps the chest's heading and drops its pitch and roll.
-    front = torso.chest[:, :, 2] - 0.999 * torso.chest[:, 1:2, 2] * np.array([0.0, 1.0, 0.0])
-    yaw = np.arctan2(front[:, 0], front[:, 2])
-    upright = rotation(np.zeros_like(yaw), np.zeros_like(yaw), yaw)
-    level = turn(upright[:, None], own)
-    hang = curves.hang[..., None]
-    weight = curves.reach_weight[..., None]
-    target = (shoulders + lean * (1 - hang) + level * hang) * (1 - weight) + curves.reach * scale[..., None, :] * weight
-    axis = _unit(target - shoulders)
-    local = (torso.chest[:, None] * axis[..., None]).sum(-2)
-    # Elbows point back when the arm hangs, down when it is held forward, outward when it is raised.
-    pole = np.empty_like(local)
-    pole[..., 0] = _OUT[:, 0] * 0.45
-    pole[..., 1] = -0.85
-    pole[..., 2] = -0.6 + 0.7 * np.clip(local[..., 1] + 0.3, 0.0, 1.0)
-    pole = turn(torso.chest[:, None], pole)
-    pole = _swing(pole, axis, curves.elbow * _OUT[:, 0])
-    elbows, wrists = two_bone(shoulders, target, upper, lower, pole)
-    torso.joints[:, _ELBOWS], torso.joints[:, _WRISTS] = elbows, wrists
+def _length(offsets: Array, joints: list[int]) -> Array:
+    return np.asarray(np.sqrt((offsets[joints] ** 2).sum(-1)))
 
 
-def leg_scale(offsets: Array) -> Array:
-    """Length of a body's legs over the canonical leg's, (..., 1)."""
-    return np.asarray((_length(offsets, _KNEES) + _length(offsets, _ANKLES)).mean(-1, keepdims=True) / LEG)
+def leg_scale(offsets: Array) -> float:
+    """Length of a body's legs over the canonical leg's."""
+    return float((_length(offsets, _KNEES) + _length(offsets, _ANKLES)).mean() / LEG)
 
 
-def _reachable(curves: Curves, torso: _Torso, offsets: Array, scale: Array) -> Array:
-    """How far to lower the hips (F,) so that feet near the ground come within reach of their legs."""
+@dataclass(frozen=True)
+class _Trunk:
+    """Joints (F, 22, 3) whose limbs are still empty, and the frames of pelvis and chest (F, 3, 3)."""
+
+    joints: Array
+    pelvis: Array
+    chest: Array
+
+
+def _trunk(curves: Curves, offsets: Array, scale: float) -> _Trunk:
+    """Spine, head, hips and shoulders by forward kinematics."""
+    frames = len(curves)
+    joints = np.empty((frames, 22, 3))
+    pelvis_yaw = curves.pelvis[:, 2]
+    tilt = rotation(
+        np.stack([curves.pelvis[:, 0], curves.spine[:, 0] / 3, 0.75 * curves.head[:, 0], 0.0 * pelvis_yaw]),
+        np.stack([curves.pelvis[:, 1], curves.spine[:, 1] / 3, 0.75 * curves.head[:, 1], 0.0 * pelvis_yaw]),
+        np.stack([pelvis_yaw, curves.spine[:, 2] / 3, 0.75 * curves.head[:, 2], curves.heading]),
+    )
+    pelvis, bend = tilt[3] @ tilt[0], tilt[1]
+    hips = offsets[_HIPS]
+    local = turn(pelvis, np.concatenate([hips - hips.mean(0), [-hips.mean(0), offsets[3] - hips.mean(0)]]))
+    root = curves.root * scale
+    joints[:, [*_HIPS, 0, 3]] = root[:, None] + local
+    frame = pelvis
+    for parent, child in ((3, 6), (6, 9)):
+        frame = frame @ bend
+        joints[:, child] = joints[:, parent] + turn(frame, offsets[child : child + 1])[:, 0]
+    chest = frame @ bend
+    joints[:, [12, *_COLLARS]] = joints[:, 9:10] + turn(chest, offsets[[12, *_COLLARS]])
+    joints[:, 15] = joints[:, 12] + turn(chest @ tilt[2], offsets[15:16])[:, 0]
+    # A raised arm takes its shoulder along.
+    lift = curves.shrug + 0.35 * np.clip(curves.hands[..., 1] + 0.1, 0.0, 1.1) * (1 - curves.reach_weight)
+    cos, sin = np.cos(lift), np.sin(lift)
+    out, up, ahead = (offsets[_SHOULDERS] * _OUT).T
+    bone = np.stack([(out * cos - up * sin) * _OUT[:, 0], out * sin + up * cos, np.broadcast_to(ahead, cos.shape)], -1)
+    joints[:, _SHOULDERS] = joints[:, _COLLARS] + turn(chest, bone)
+    return _Trunk(joints, pelvis, chest)
+
+
+def _lower(curves: Curves, hips: Array, offsets: Array, scale: float) -> Array:
+    """How far to lower the hips (F, 1) so that feet near the ground come within reach of their legs."""
     reach = (_length(offsets, _KNEES) + _length(offsets, _ANKLES)) * 0.997
-    gap = torso.joints[:, _HIPS] - curves.feet * scale[..., None, :]
-    flat = gap[..., 0] ** 2 + gap[..., 2] ** 2
-    excess = gap[..., 1] - np.sqrt(np.maximum(reach * reach - flat, 0.01))
+    gap = hips - curves.feet * scale
+    excess = gap[..., 1] - np.sqrt(np.maximum(reach * reach - gap[..., 0] ** 2 - gap[..., 2] ** 2, 0.01))
     grounded = np.clip(2.0 - curves.feet[..., 1] / (1.5 * ANKLE), 0.0, 1.0)
-    return np.asarray((np.clip(excess, 0.0, 0.12) * grounded).max(-1))
+    return np.asarray((np.clip(excess, 0.0, 0.12) * grounded).max(-1, keepdims=True))
 
 
-def pose(curves: Curves, offsets: Array) -> NDArray[np.float64]:
-    """Joint positions (F, 22, 3) in metres of a body with `offsets`, (22, 3) or one body a frame (F, 22, 3)."""
+def _knee_poles(curves: Curves, trunk: _Trunk, axis: Array) -> Array:
+    """Knees bend to the pelvis' front, as it is carried along by the leg, and towards the toes: (F, 2, 3)."""
+    pole = _carry(trunk.pelvis[:, None, :, 2], -trunk.pelvis[:, None, :, 1], axis)
+    toes = np.stack([np.sin(curves.foot_yaw), np.zeros_like(curves.foot_yaw), np.cos(curves.foot_yaw)], -1)
+    return _swing(pole + 0.5 * toes * np.clip(-axis[..., 1:2], 0.0, 1.0), axis, -curves.knee)
+
+
+def _hand_targets(curves: Curves, trunk: _Trunk, arm: Array, scale: float) -> Array:
+    """Wrists in the world (F, 2, 3): from the chest, from the upright, or where they reach."""
+    own = curves.hands * (arm[:, None] * _OUT)
+    # Gravity's frame keeps the chest's heading and drops its pitch and roll.
+    yaw = np.arctan2(trunk.chest[:, 0, 2], trunk.chest[:, 2, 2])
+    level = turn(rotation(np.zeros_like(yaw), np.zeros_like(yaw), yaw), own)
+    hand = turn(trunk.chest, own)
+    hand += (level - hand) * curves.hang[..., None] + trunk.joints[:, _SHOULDERS]
+    return np.asarray(hand + (curves.reach * scale - hand) * curves.reach_weight[..., None])
+
+
+def _elbow_poles(curves: Curves, trunk: _Trunk, axis: Array) -> Array:
+    """Elbows point back where the arm hangs, down where it is held forward, outward where it is raised: (F, 2, 3)."""
+    raised = axis @ trunk.chest[:, :, 1:2]
+    local = np.empty_like(axis)
+    local[..., 0] = _OUT[:, 0] * 0.45
+    local[..., 1] = -0.85
+    local[..., 2] = -0.6 + 0.7 * np.clip(raised[..., 0] + 0.3, 0.0, 1.0)
+    return _swing(turn(trunk.chest, local), axis, curves.elbow * _OUT[:, 0])
+
+
+def pose(curves: Curves, offsets: Array) -> Array:
+    """Joint positions (F, 22, 3) in metres of a body with `offsets` (22, 3)."""
     scale = leg_scale(offsets)
-    scale = np.broadcast_to(scale, (len(curves), 1)) if scale.ndim == 1 else scale
-    torso = _torso(curves, offsets, scale)
-    torso.joints[..., 1] -= _reachable(curves, torso, offsets, scale)[:, None]
-    _pose_legs(curves, torso, offsets, scale)
-    _pose_arms(curves, torso, offsets, scale)
-    return torso.joints
+    trunk = _trunk(curves, offsets, scale)
+    joints = trunk.joints
+    joints[..., 1] -= _lower(curves, joints[:, _HIPS], offsets, scale)
+    arm = _length(offsets, _ELBOWS) + _length(offsets, _WRISTS)
+    start = joints[:, [*_HIPS, *_SHOULDERS]]
+    target = np.concatenate([curves.feet * scale, _hand_targets(curves, trunk, arm, scale)], axis=1)
+    axis = target - start
+    axis /= np.sqrt(np.maximum(_dot(axis, axis), 1e-9))
+    pole = np.concatenate([_knee_poles(curves, trunk, axis[:, :2]), _elbow_poles(curves, trunk, axis[:, 2:])], axis=1)
+    upper, lower = _length(offsets, [*_KNEES, *_ELBOWS]), _length(offsets, [*_ANKLES, *_WRISTS])
+    middle, end = two_bone(start, target, upper, lower, pole)
+    joints[:, [*_KNEES, *_ELBOWS]], joints[:, [*_ANKLES, *_WRISTS]] = middle, end
+    foot = rotation(-curves.foot_pitch, np.zeros_like(curves.foot_pitch), curves.foot_yaw)
+    joints[:, _FEET] = end[:, :2] + (foot @ offsets[_FEET][..., None])[..., 0]
+    return joints

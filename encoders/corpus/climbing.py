@@ -35,7 +35,7 @@ def climb_stairs(step: Step, manner: Manner, rng: Generator, frames: int) -> Cur
     flat_start, flat_end = rng.choice([0, 0, 2], 2)
     stairs = max(int(run[-PAD] / tread) - flat_end, flat_start + 2)
     number = np.clip(np.floor(run / tread + 0.5), flat_start, stairs) - flat_start
-    course = replace(course, level=(-riser if down else riser) * number)
+    course = replace(course, level=np.asarray((-riser if down else riser) * number, np.float64))
     curves = step_along(course, gait, manner)
     lowest = float(np.min(curves.feet[..., 1])) - 0.085
     curves.root[:, 1] -= lowest + (0.03 if down else 0.0)

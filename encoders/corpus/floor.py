@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import ArrayLike
 
 from encoders.corpus.curves import ANKLE, HIP, Array, Curves, ease
 from encoders.corpus.poses import STANDING, perform, pose
@@ -20,7 +21,7 @@ def _lying(way: str, rng: Generator) -> Array:
     """A lying row: on the back ("backward"), the belly ("forward") or a side; the hips half a metre that way."""
     hands = [(0.15, -0.95, 0.05), (0.6, -0.6, 0.05), (0.3, 0.9, 0.05), (-0.2, -0.45, 0.25)][int(rng.integers(4))]
     if way == "backward":
-        legs = (
+        legs: dict[str, ArrayLike] = (
             {"feet": (rng.uniform(0.08, 0.25), 0.09, 0.3), "foot_pitch": 0.9, "knee": 0.1}
             if rng.random() < 0.6
             else {"feet": (0.12, ANKLE, -0.05), "foot_pitch": 0.0}

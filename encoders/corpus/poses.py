@@ -31,7 +31,7 @@ def pose(**channels: ArrayLike) -> Array:
         else:
             _set(curves, name, 0, value)
             _set(curves, name, 1, _mirrored(name, value))
-    return curves.data[0]
+    return np.asarray(curves.data[0])
 
 
 def _set(curves: Curves, name: str, side: int, value: ArrayLike) -> None:

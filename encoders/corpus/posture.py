@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import ArrayLike
 
 from encoders.corpus.curves import ANKLE, HIP, LEFT, LEGS, RIGHT, SIDES, STAND, Array, Curves, ease, hold, standing
 from encoders.corpus.poses import STANDING, perform, pose
@@ -235,7 +236,7 @@ def kneel(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
     back = -0.45
     down, up = ("left", "right") if side != "right" else ("right", "left")
     sign = 1.0 if down == "left" else -1.0
-    half = {
+    half: dict[str, ArrayLike] = {
         "root": (0, 0.47, back + 0.05), "spine": (0.1, 0, 0), "hands": hands,
         f"{down}_feet": (sign * HIP, 0.09, back - 0.4), f"{down}_foot_pitch": -1.1,
         f"{up}_feet": (-sign * HIP, ANKLE, 0.0),
@@ -365,7 +366,10 @@ def lunge(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
             "root": (sign * far * 0.62, rng.uniform(0.5, 0.65), -0.1), "pelvis": (0.25, 0, 0), "spine": (0.25, 0, 0),
             "hands": hands, f"{name}_feet": (sign * (far + 0.1), ANKLE, 0.0),
         })  # fmt: skip
-        passing = {"root": (sign * far * 0.3, 0.78, -0.05), f"{name}_feet": (sign * far * 0.5, ANKLE + 0.12, 0.0)}
+        passing: dict[str, ArrayLike] = {
+            "root": (sign * far * 0.3, 0.78, -0.05),
+            f"{name}_feet": (sign * far * 0.5, ANKLE + 0.12, 0.0),
+        }
     else:
         way = -1.0 if toward == "backward" else 1.0
         low = pose(**{
