@@ -14,7 +14,7 @@ from encoders.corpus.language.words import indefinite, inflect, number_word, tim
 from encoders.corpus.scene import Step
 
 SAID = 0.85  # share of the set fields that a caption names
-_SLOT = re.compile(r"\{(\w+)!?(?::([^}]+))?\}")
+_SLOT = re.compile(r"\{(\w+)(?::([^}]+))?\}")
 _PLURALS = {"foot": "feet", "palm": "palms", "fingers": "fingers"}
 _SIDE_PHRASES = (
     "with {p} {side} {limb}",
@@ -61,7 +61,9 @@ class Clause:
 @lru_cache(maxsize=20000)
 def mark_verbs(text: str) -> str:
     """Mark the first word as a verb unless it is an adverb before a marked one: "quickly ~run"."""
-    return text if text.startswith("~") or ("~" in text and text.split()[0].endswith("ly")) else "~" + text
+    first = text.split()[0]
+    adverb = "~" in text and (first.endswith("ly") or first == "almost")
+    return text if adverb or text.startswith("~") else "~" + text
 
 
 def _limb(name: str, side: str, rng: Chance) -> str:
@@ -165,7 +167,7 @@ def make_clause(step: Step, subject: Subject, rng: Chance, *, without: frozenset
     entry = entry_of(step.action)
     assert entry is not None
     set_fields = {field for field in FIELDS if getattr(step, field)}
-    open_fields = [field for field in FIELDS if field in set_fields - phrase.says - without]
+    open_fields = [field for field in FIELDS if field in set_fields - phrase.said_of(step) - without]
     unsaid = {field for field in open_fields if field not in entry.unsaid and rng.random() < SAID}
     adverb, after = _particulars(step, unsaid, entry.limb, rng)
     return Clause(

@@ -14,6 +14,7 @@ from encoders.corpus.language.clause import Clause, choose_phrase, fill, make_cl
 from encoders.corpus.language.lexicon import modifier
 from encoders.corpus.language.sloppy import sloppy
 from encoders.corpus.language.subjects import Subject, draw_subject, nobody, with_adjective
+from encoders.corpus.language.words import plural_form
 from encoders.corpus.scene import Scene, Step
 
 Group = tuple[Step, ...]
@@ -177,7 +178,7 @@ def _label(groups: Sequence[Group], rng: Chance) -> Said:
         step = groups[0][0]
         noun = choose_phrase(step, "nouns", rng)
         if noun is not None:
-            return Said(fill(noun.text, step, subject, rng), Scene(((only_fields(step, noun.says),),)))
+            return Said(fill(noun.text, step, subject, rng), Scene(((only_fields(step, noun.said_of(step)),),)))
     parts = [_together(group, subject, rng) for group in groups]
     text = _joined(parts, ["base"] * len(parts), rng, plain=True)
     for possessive in (" their ", " his ", " her ", " the "):
@@ -191,7 +192,12 @@ def _part(groups: Sequence[Group], rng: Chance) -> Said:
     phrase = choose_phrase(step, "parts", rng)
     if phrase is None:
         return _fragment(((step,),), rng)
-    return Said(fill(phrase.text, step, nobody(rng), rng), Scene(((only_fields(step, phrase.says),),)))
+    words = phrase.text.split()
+    if step.side == "both" and words[0].startswith("{") and words[0] != "{p}":
+        verbs = [1, *(i + 1 for i, word in enumerate(words[:-1]) if word == "and")]
+        words = [plural_form(word) if i in verbs else word for i, word in enumerate(words)]
+    text = fill(" ".join(words), step, nobody(rng), rng)
+    return Said(text, Scene(((only_fields(step, phrase.said_of(step)),),)))
 
 
 def _shown(scene: Scene, rng: Chance) -> Sequence[Group]:

@@ -25,7 +25,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache, cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,15 @@ from encoders.corpus.scene import Step
 FOLDER = Path(__file__).parent / "phrases"
 LIMBS = ("hand", "arm", "fist", "elbow", "shoulder", "foot", "leg", "knee", "hip", "heel", "wrist", "palm", "fingers")
 _SLOT = re.compile(r"\{(\w+)(?::([^}]+))?\}")
+#: Words that imply a value of a field: contrary steps cannot use them, steps that have the value need no more words.
+_IMPLIES = {
+    ("speed", "fast"): re.compile(r"\b(quick|fast|rapid|hurr|rush|dash|speed|swift|race|bolt|sudden|brisk|snap|zoom)"),
+    ("speed", "slow"): re.compile(r"\b(slow|leisure|dawdle|inch|plod|trudge|gentl|softly)"),
+    ("amplitude", "large"): re.compile(r"\b(big|wide|deep|far|full force|huge|long stride|as possible|all the way)"),
+    ("amplitude", "small"): re.compile(r"\b(small|slight|little|tiny|bit|lightly|half)\b"),
+    ("height", "high"): re.compile(r"\b(high|overhead|above|over \{p\} head|towards the ceiling)"),
+    ("height", "low"): re.compile(r"\b(low|near the ground)\b"),
+}  # fmt: skip
 #: The fields of a step that words can name, in the order in which they are drawn.
 FIELDS = ("side", "direction", "speed", "amplitude", "count", "style", "height")
 
@@ -53,6 +62,15 @@ class Phrase:
     text: str
     says: frozenset[str]
 
+    @cached_property
+    def implies(self) -> tuple[tuple[str, str], ...]:
+        """Fields with the values that the words imply though no case names them."""
+        return tuple(pair for pair, words in _IMPLIES.items() if words.search(self.text))
+
+    def said_of(self, step: Step) -> frozenset[str]:
+        """The fields of this step that the phrase names."""
+        return self.says | {field for field, value in self.implies if getattr(step, field) == value}
+
     @property
     def slots(self) -> frozenset[str]:
         return frozenset(match[1] for match in _SLOT.finditer(self.text))
@@ -64,7 +82,8 @@ class Phrase:
             return False
         if "n" in slots and step.count < 2 and "{n}" in self.text:
             return False
-        return not ("{dir!}" in self.text and not step.direction)
+        values = {field: value for field, value in self.implies if field not in self.says}
+        return all(getattr(step, field) in ("", value) for field, value in values.items())
 
 
 @dataclass(frozen=True)

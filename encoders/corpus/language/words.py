@@ -108,6 +108,15 @@ def inflect(verb: str, form: str) -> str:
     return {"third": third_person, "ing": gerund, "past": past}[form](verb)
 
 
+def plural_form(verb: str) -> str:
+    """The plural of a verb in the third person singular: goes -> go, is -> are."""
+    if verb == "is":
+        return "are"
+    if verb.endswith(("oes", "ches", "shes", "xes", "sses")):
+        return verb[:-2]
+    return verb[:-1] if verb.endswith("s") else verb
+
+
 def number_word(value: int) -> str:
     """3 -> "three"; digits above twenty."""
     return _NUMBERS[value] if 0 <= value < len(_NUMBERS) else str(value)
