@@ -40,6 +40,7 @@ class Library:
         self.folder = folder
         self._bundle = bundle
         self._local = threading.local()
+        self._closed = False
         self._connections: list[sqlite3.Connection] = []
         self._galleries = Galleries(folder / "vectors")
         if bundle is not None:
@@ -74,11 +75,11 @@ class Library:
         return cls(given.resolve(), bundle=bundle)
 
     def close(self) -> None:
-        """Let go of the files. Calls after it fail."""
+        """Let go of the files; calls after it fail."""
+        self._closed = True
         for connection in self._connections:
             connection.close()
         self._connections.clear()
-        self._local = threading.local()
 
     def __enter__(self) -> Self:
         return self
@@ -91,6 +92,8 @@ class Library:
     @property
     def connection(self) -> sqlite3.Connection:
         """This thread's connection; it can only read."""
+        if self._closed:
+            raise LibraryError(f"{self.folder}: the library is closed")
         found: sqlite3.Connection | None = getattr(self._local, "connection", None)
         if found is None:
             found = self._local.connection = schema.connect(self.folder / FILE, writable=False)

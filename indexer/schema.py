@@ -165,14 +165,16 @@ def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
 
 def _connect(path: Path, mode: str) -> sqlite3.Connection:
     uri = path.absolute().as_uri()
-    connection = sqlite3.connect(f"{uri}?mode={mode}", uri=True, timeout=30, isolation_level=None)
+    connection = sqlite3.connect(
+        f"{uri}?mode={mode}", uri=True, timeout=30, isolation_level=None, check_same_thread=False
+    )
     if mode == "ro":
         try:
             connection.execute("PRAGMA user_version")
         except sqlite3.OperationalError:
             # Where nobody can write, WAL's shared memory cannot be made; then nothing changes either.
             connection.close()
-            connection = sqlite3.connect(f"{uri}?immutable=1", uri=True, isolation_level=None)
+            connection = sqlite3.connect(f"{uri}?immutable=1", uri=True, isolation_level=None, check_same_thread=False)
     return connection
 
 

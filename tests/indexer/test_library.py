@@ -1,0 +1,302 @@
+"""The library as its readers see it."""
+
+import threading
+
+import numpy as np
+import pytest
+
+from encoders.errors import BundleMismatch, LibraryError
+from encoders.motion import Motion
+from indexer import ingest, poses, schema
+from indexer.library import FILE, FOLDER, Caption, Library
+from indexer.pool import Read
+from tests.indexer.folders import SmallBundle, moving, write
+
+
+@pytest.fixture
+def bundle():
+    return SmallBundle()
+
+
+@pytest.fixture
+def in_process(monkeypatch):
+    """Reading without processes of its own: joints as they are."""
+
+    def read_all(requests, jobs):
+        for request in requests:
+            yield request.key, Read(Motion(np.load(request.path)), "rig")
+
+    monkeypatch.setattr(ingest, "read_all", read_all)
+
+
+@pytest.fixture
+def folder(tmp_path, bundle, in_process):
+    root = tmp_path / "takes"
+    for seed, name in enumerate(["walk.npy", "sub/turn.npy", "sub/wave hello ä.npy", "other/turn.npy"], start=1):
+        write(root / name, seed, seconds=3 * seed)
+    (root / "walk.txt").write_text("a person walks\nsomeone goes ahead\n")
+    (root / "captions.csv").write_text("path,text,start,end\nsub/turn.npy,turns left,1,2\nwalk.npy,a person walks,,\n")
+    ingest.index(root, bundle=bundle)
+    return root
+
+
+@pytest.fixture
+def library(folder, bundle):
+    with Library.open(folder, bundle=bundle) as opened:
+        yield opened
+
+
+def test_a_library_is_opened_by_the_indexed_folder_or_by_its_own(folder, bundle):
+    for place in (folder, str(folder), folder / FOLDER):
+        with Library.open(place) as library:
+            assert len(library) == 4
+            assert library.roots == [folder]
+
+
+def test_opening_a_folder_without_a_library_says_what_to_do(tmp_path):
+    with pytest.raises(LibraryError, match=r"no library here; make one with 'motionseek index "):
+        Library.open(tmp_path)
+
+
+def test_an_empty_library_answers(tmp_path):
+    with Library.open(tmp_path / "new", create=True) as library:
+        assert len(library) == 0
+        assert library.ids().tolist() == []
+        assert library.nearest_clips(np.zeros((1, 16), np.float32), 2)[1].tolist() == [[-1, -1]]
+        assert library.nearest_windows(np.zeros((1, 16), np.float32), 2)[1].tolist() == [[-1, -1]]
+        assert library.stats()["clips"] == 0
+
+
+def test_a_clip_says_what_it_is(library, folder):
+    clip = library.find("sub/wave hello ä.npy")
+    assert (clip.path, clip.root, clip.name) == ("sub/wave hello ä.npy", folder, "wave hello ä")
+    assert (clip.duration, clip.fps, clip.frames, clip.format, clip.rig) == (9.0, 20.0, 180, "npy", "rig")
+    assert clip.file.is_file()
+    assert library.clips([clip.id, 999, clip.id]) == {clip.id: clip}
+
+
+def test_clips_are_found_by_path_name_and_number(library, folder, monkeypatch):
+    walk = library.find("walk.npy")
+    assert library.find(folder / "walk.npy") == walk
+    assert library.find("walk") == walk
+    assert library.find(f"#{walk.id}") == walk
+    assert library.find("sub\\turn.npy").path == "sub/turn.npy"
+    monkeypatch.chdir(folder / "sub")
+    assert library.find("./turn.npy").path == "sub/turn.npy"
+
+
+@pytest.mark.parametrize(
+    ("ref", "reason"),
+    [("#77", "no clip #77"), ("nothing.bvh", "no clip of that path or name"), ("turn", "2 clips are called so")],
+)
+def test_what_is_not_one_clip_is_an_error(library, ref, reason):
+    with pytest.raises(LibraryError, match=reason):
+        library.find(ref)
+
+
+def test_motions_come_back_to_within_a_millimetre(library):
+    clip = library.find("other/turn.npy")
+    motion = library.motion(clip.id)
+    assert np.abs(motion.joints - moving(4, 12)).max() < 1e-3
+    assert motion.fps == 20.0
+
+
+@pytest.mark.parametrize("span", [(0, 1), (9.5, 10.5), (11.9, 12), (3.02, None), (None, 99), (10, 10.01)])
+def test_a_span_of_a_motion_is_a_crop_of_it(library, span):
+    clip = library.find("other/turn.npy")
+    whole = library.motion(clip.id)
+    want = whole.crop(span[0] or 0.0, span[1])
+    np.testing.assert_array_equal(library.motion(clip.id, *span).joints, want.joints)
+
+
+def test_reading_a_span_reads_only_its_chunks(library, monkeypatch):
+    clip = library.find("other/turn.npy")
+    asked = []
+    monkeypatch.setattr("indexer.poses.unpack", lambda blob, unpack=poses.unpack: asked.append(1) or unpack(blob))
+    library.motion(clip.id, 1, 2)
+    assert len(asked) == 1
+
+
+@pytest.mark.parametrize("span", [(12, 13), (3, 3), (4, 2)])
+def test_a_span_outside_the_motion_is_an_error(library, span):
+    with pytest.raises(ValueError, match="lies outside"):
+        library.motion(library.find("other/turn.npy").id, *span)
+
+
+def test_captions_keep_their_spans_and_are_said_once(library):
+    assert library.captions(library.find("sub/turn.npy").id) == [Caption("turns left", 1.0, 2.0)]
+    walks = library.captions(library.find("walk").id)
+    assert sorted(c.text for c in walks) == ["a person walks", "someone goes ahead"]
+
+
+def test_caption_vectors_are_those_of_the_model(library, bundle):
+    texts, ids, latents = library.caption_vectors()
+    assert sorted(texts) == ["a person walks", "someone goes ahead", "turns left"]
+    assert latents.dtype == np.float32
+    np.testing.assert_allclose(latents, bundle.encode_texts(texts), atol=1e-3)
+    assert ids[texts.index("turns left")] == library.find("sub/turn.npy").id
+
+
+def test_every_clip_is_nearest_to_itself(library, bundle):
+    ids = library.ids()
+    queries = bundle.encode_motions([library.motion(i) for i in ids])
+    scores, found = library.nearest_clips(queries, 1)
+    assert found[:, 0].tolist() == ids.tolist()
+    np.testing.assert_allclose(scores[:, 0], 1, atol=2e-3)
+
+
+def test_every_window_is_nearest_to_itself_and_says_when_it_is(library, bundle):
+    for clip_id in library.ids():
+        features = bundle.features(library.motion(clip_id))
+        for windows in library.windows(clip_id):
+            at = len(windows.starts) // 2
+            first, last = round(windows.starts[at] * 10), round(windows.ends[at] * 10)
+            query = bundle.encode_features([features[first:last]])
+            scores, ids, starts, ends = (array[0] for array in library.nearest_windows(query, 20))
+            assert ids[0] == clip_id
+            assert scores[0] > 0.998
+            spans = list(zip(starts[ids == clip_id], ends[ids == clip_id], strict=True))
+            assert (windows.starts[at], windows.ends[at]) in spans  # swinging arms make others like it
+
+
+def test_windows_lie_inside_their_clip(library):
+    for clip_id in library.ids():
+        windows = library.windows(clip_id)
+        duration = library.clip(clip_id).duration
+        assert [w.length for w in windows] == [length for length in (1.6, 3.2, 6.4) if length <= duration]
+        for w in windows:
+            assert w.vectors.shape == (len(w.starts), 16)
+            assert w.vectors.dtype == np.float16
+            assert w.ends[-1] == pytest.approx(duration)
+
+
+def test_allowed_clips_alone_are_found(library, bundle):
+    walk, turn = library.find("walk").id, library.find("sub/turn.npy").id
+    query = bundle.encode_motions([library.motion(walk)])
+    assert library.nearest_clips(query, 3, allowed=np.array([turn]))[1].tolist() == [[turn, -1, -1]]
+    assert set(library.nearest_windows(query, 50, allowed=np.array([turn]))[1][0]) == {turn, -1}
+
+
+def test_conditions_on_clips_are_bound_and_never_pasted(library):
+    assert {clip.name for clip in library.clips(library.ids("duration >= ?", [9])).values()} == {"wave hello ä", "turn"}
+    assert len(library.ids("path GLOB ?", ["*/turn.npy"])) == 2
+    assert library.ids("clips.name = ?", ["x' OR 1=1 --"]).tolist() == []
+    assert len(library.ids("duration < ? OR duration > ?", [100, 100])) == 4
+
+
+def test_another_model_is_refused_and_the_message_says_what_to_do(folder):
+    with pytest.raises(BundleMismatch, match=r"made with the model small .* not with other .* --rebuild"):
+        Library.open(folder, bundle=SmallBundle("other"))
+
+
+def test_stats_and_failures_tell_what_is_there(library):
+    stats = library.stats()
+    assert (stats["clips"], stats["seconds"], stats["captions"], stats["failed"]) == (4, 30.0, 4, 0)
+    assert stats["windows"] == sum(len(w.starts) for i in library.ids() for w in library.windows(i))
+    assert stats["formats"] == {"npy": 4}
+    assert stats["bytes"] > 0
+    assert library.failures() == []
+
+
+def test_what_is_written_elsewhere_is_seen_at_the_next_question(library, folder, bundle):
+    query = bundle.encode_motions([Motion(moving(77).astype(np.float32))])
+    before = library.generation
+    assert library.nearest_clips(query, 9)[1][0, 4] == -1
+    write(folder / "new.npy", 77)
+    (folder / "walk.npy").unlink()
+    ingest.index(folder, bundle=bundle)
+    assert library.generation > before
+    assert library.clip(library.nearest_clips(query, 1)[1][0, 0]).path == "new.npy"
+    assert len(set(library.nearest_clips(query, 9)[1][0]) - {-1}) == len(library) == 4
+    assert "walk.npy" not in {clip.path for clip in library.clips(library.nearest_windows(query, 99)[1][0]).values()}
+
+
+def test_threads_can_share_a_library(library, bundle):
+    query = bundle.encode_motions([library.motion(1)])
+    found, errors = [], []
+
+    def ask():
+        try:
+            found.append((library.nearest_clips(query, 2)[1].tolist(), library.find("walk").id, len(library.motion(2))))
+        except Exception as error:
+            errors.append(error)
+
+    threads = [threading.Thread(target=ask) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert errors == []
+    assert all(answer == found[0] for answer in found)
+
+
+def test_vector_files_may_be_deleted_and_come_back(folder, bundle):
+    with Library.open(folder, bundle=bundle) as library:
+        query = bundle.encode_motions([library.motion(1)])
+        want = library.nearest_windows(query, 20)
+    for path in sorted((folder / FOLDER / "vectors").rglob("*"), reverse=True):
+        path.rmdir() if path.is_dir() else path.unlink()
+    with Library.open(folder, bundle=bundle) as library:
+        for got, expected in zip(library.nearest_windows(query, 20), want, strict=True):
+            np.testing.assert_array_equal(got, expected)
+    assert len(list((folder / FOLDER / "vectors").iterdir())) == 1
+
+
+def test_vector_files_of_a_library_that_lay_here_before_are_not_used(folder, bundle):
+    for path in (folder / FOLDER).glob(f"{FILE}*"):
+        path.unlink()
+    write(folder / "walk.npy", 50)
+    ingest.index(folder, bundle=bundle)
+    with Library.open(folder, bundle=bundle) as library:
+        query = bundle.encode_motions([Motion(moving(50).astype(np.float32))])
+        scores, ids = library.nearest_clips(query, 1)
+        assert library.clip(ids[0, 0]).path == "walk.npy"
+        assert scores[0, 0] > 0.998
+
+
+def test_an_indexed_folder_can_be_renamed_with_its_library(folder, bundle):
+    moved = folder.rename(folder.parent / "renamed")
+    with Library.open(moved, bundle=bundle) as library:
+        assert library.roots == [moved]
+        assert library.find("walk").file.is_file()
+    assert ingest.index(moved, bundle=bundle).unchanged == 4
+
+
+def test_a_damaged_library_is_an_error_that_says_so(tmp_path):
+    (tmp_path / FILE).write_bytes(b"no database at all" * 100)
+    with pytest.raises(LibraryError, match="cannot be opened as a library"):
+        len(Library.open(tmp_path))
+
+
+def test_a_library_of_a_newer_program_is_refused(tmp_path):
+    Library.open(tmp_path, create=True).close()
+    connection = schema.connect(tmp_path / FILE, writable=True)
+    connection.execute("PRAGMA user_version = 99")
+    connection.close()
+    with pytest.raises(LibraryError, match="written by a newer motionseek"):
+        len(Library.open(tmp_path))
+
+
+def test_migrations_run_once_and_in_order(tmp_path, monkeypatch):
+    Library.open(tmp_path, create=True).close()
+    ran = []
+    monkeypatch.setattr(schema, "MIGRATIONS", [*schema.MIGRATIONS, lambda db: ran.append("second")])
+    for _ in range(2):
+        connection = schema.connect(tmp_path / FILE, writable=True)
+        schema.migrate(connection)
+        connection.close()
+    assert ran == ["second"]
+
+
+def test_a_closed_library_answers_no_more(folder):
+    library = Library.open(folder)
+    library.close()
+    with pytest.raises(LibraryError, match="is closed"):
+        len(library)
+
+
+def test_names_and_captions_can_be_searched_as_text(library):
+    found = library.connection.execute(
+        "SELECT text FROM texts WHERE id IN (SELECT rowid FROM texts_fts WHERE texts_fts MATCH 'turns')"
+    ).fetchall()
+    assert found == [("turns left",)]

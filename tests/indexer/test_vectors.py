@@ -1,0 +1,193 @@
+"""The vector index: exact, filtered, caught up with changes, and never wrong because of a file."""
+
+import os
+import shutil
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from indexer import vectors
+from indexer.vectors import FlatVectors, Rows
+
+SIZE = 16
+
+
+def rows(owners, seed=0):
+    owners = np.asarray(owners, np.int64)
+    latents = np.random.default_rng(seed).standard_normal((len(owners), SIZE))
+    latents /= np.linalg.norm(latents, axis=1, keepdims=True)
+    starts = np.arange(len(owners), dtype=np.float32)
+    return Rows(owners, np.stack([starts, starts + 1], axis=1), latents.astype(np.float16))
+
+
+def queries(count, seed=9):
+    return np.random.default_rng(seed).standard_normal((count, SIZE)).astype(np.float32)
+
+
+def plainly(held, asked, k, allowed=None):
+    """Scores and owners by a plain scan."""
+    if allowed is not None:
+        held = held[np.isin(held.owners, allowed)]
+    scores = asked @ held.vectors.astype(np.float32).T
+    best = np.argsort(-scores, axis=1)[:, :k]
+    return np.take_along_axis(scores, best, axis=1), held.owners[best]
+
+
+def test_search_is_a_plain_scan():
+    held = rows(np.repeat(np.arange(1, 41), 5))
+    scores, owners, starts, ends = FlatVectors.of(1, held).search(queries(7), 10)
+    want_scores, want_owners = plainly(held, queries(7), 10)
+    np.testing.assert_allclose(scores, want_scores, atol=1e-5)
+    np.testing.assert_array_equal(owners, want_owners)
+    np.testing.assert_array_equal(ends, starts + 1)
+    assert scores.dtype == starts.dtype == np.float32
+    assert owners.dtype == np.int64
+
+
+@pytest.mark.parametrize("allowed", [[3], [1, 7, 39], list(range(0, 60, 2)), [-5, 10**9], []])
+def test_only_allowed_owners_are_found(allowed):
+    held = rows(np.repeat(np.arange(1, 41), 5))
+    scores, owners, _, _ = FlatVectors.of(1, held).search(queries(3), 12, allowed=np.array(allowed, np.int64))
+    want_scores, want_owners = plainly(held, queries(3), 12, allowed)
+    found = want_owners.shape[1]
+    np.testing.assert_array_equal(owners[:, :found], want_owners)
+    np.testing.assert_allclose(scores[:, :found], want_scores, atol=1e-5)
+    assert (owners[:, found:] == -1).all()
+    assert np.isneginf(scores[:, found:]).all()
+
+
+def test_where_there_are_fewer_rows_than_asked_for_the_rest_is_minus_one():
+    scores, owners, _, _ = FlatVectors.of(1, rows([4, 4])).search(queries(1), 5)
+    assert owners.tolist() == [[4, 4, -1, -1, -1]]
+    assert np.isneginf(scores[0, 2:]).all()
+
+
+def test_an_empty_index_finds_nothing():
+    scores, owners, starts, ends = FlatVectors.of(0, Rows.none(SIZE)).search(queries(2), 3)
+    assert owners.tolist() == [[-1] * 3] * 2
+    assert scores.shape == starts.shape == ends.shape == (2, 3)
+
+
+changes = st.lists(
+    st.tuples(st.lists(st.integers(1, 30), max_size=6), st.lists(st.integers(1, 30), max_size=40)), max_size=6
+)
+
+
+@settings(deadline=None, max_examples=50)
+@given(st.lists(st.integers(1, 30), max_size=60), changes)
+def test_after_any_changes_an_index_answers_as_one_built_anew(first, later):
+    index, held = FlatVectors.of(0, rows(first)), rows(first)
+    for generation, (remove, add) in enumerate(later, start=1):
+        added = rows(add, seed=generation)
+        index = index.update(generation, remove=np.array(remove, np.int64), add=added)
+        held = Rows.join([held[~np.isin(held.owners, remove)], added])
+    assert index.generation == len(later)
+    assert len(index) == len(held)
+    for allowed in (None, np.arange(1, 30, 3)):
+        got = index.search(queries(4), 8, allowed=allowed)
+        want = FlatVectors.of(0, held).search(queries(4), 8, allowed=allowed)
+        np.testing.assert_allclose(got[0], want[0], atol=1e-5)
+
+
+def test_the_old_index_answers_as_before_when_a_new_one_is_made():
+    index = FlatVectors.of(1, rows([1, 2, 3]))
+    before = index.search(queries(2), 3)
+    index.update(2, remove=np.array([1, 2]), add=rows([9] * 50))
+    for got, want in zip(index.search(queries(2), 3), before, strict=True):
+        np.testing.assert_array_equal(got, want)
+
+
+def test_small_changes_leave_the_main_block_alone_and_large_ones_make_a_new_one():
+    index = FlatVectors.of(1, rows(np.arange(100)))
+    assert index.update(2, remove=np.array([5]), add=rows([200])).shares_block(index)
+    assert not index.update(2, remove=np.arange(50), add=Rows.none(SIZE)).shares_block(index)
+
+
+def test_a_file_gives_the_index_back(tmp_path):
+    index = FlatVectors.of(7, rows(np.arange(1, 50))).update(8, remove=np.array([4]), add=rows([99, 4], seed=5))
+    vectors.save(index, tmp_path, "clips", "model")
+    found = vectors.load(tmp_path, "clips", "model", SIZE)
+    assert found.generation == 8
+    assert len(found) == len(index) == 50
+    for got, want in zip(found.search(queries(3), 50), index.search(queries(3), 50), strict=True):
+        np.testing.assert_array_equal(got, want)
+
+
+def test_an_index_read_from_a_file_can_be_updated_and_saved_over(tmp_path):
+    vectors.save(FlatVectors.of(1, rows(np.arange(100))), tmp_path, "clips", "model")
+    index = vectors.load(tmp_path, "clips", "model", SIZE)
+    changed = index.update(2, remove=np.arange(60), add=rows([500]))
+    vectors.save(changed, tmp_path, "clips", "model")
+    assert len(list(tmp_path.iterdir())) == 1
+    assert index.search(queries(1), 100)[1].min() == 0  # still mapped, though its file is gone
+    assert set(vectors.load(tmp_path, "clips", "model", SIZE).search(queries(1), 41)[1][0]) == {*range(60, 100), 500}
+
+
+@pytest.mark.parametrize("other", [("clips", "another model", SIZE), ("windows", "model", SIZE), ("clips", "model", 8)])
+def test_a_file_of_another_model_name_or_size_is_not_used(tmp_path, other):
+    vectors.save(FlatVectors.of(1, rows([1])), tmp_path, "clips", "model")
+    assert vectors.load(tmp_path, *other) is None
+
+
+def flip(path):
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 1
+    path.write_bytes(data)
+
+
+DAMAGES = {
+    "flipped bit": flip,
+    "truncated": lambda path: os.truncate(path, path.stat().st_size // 2),
+    "emptied": lambda path: path.write_bytes(b""),
+    "missing": lambda path: path.unlink(),
+    "replaced": lambda path: path.write_bytes(b"\x80\x04garbage" * 99),
+}
+
+
+@pytest.mark.parametrize("part", ["index.faiss", "owners.npy", "spans.npy", "manifest.json"])
+@pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES.keys())
+def test_a_damaged_file_is_not_used(tmp_path, part, damage):
+    vectors.save(FlatVectors.of(1, rows(np.arange(300))), tmp_path, "clips", "model")
+    (folder,) = tmp_path.iterdir()
+    damage(folder / part)
+    found = vectors.load(tmp_path, "clips", "model", SIZE)
+    assert found is None or part == "manifest.json"
+    if found is not None:  # a manifest whose digests still hold is a manifest
+        np.testing.assert_array_equal(found.search(queries(1), 5)[1], plainly(rows(np.arange(300)), queries(1), 5)[1])
+
+
+def test_what_a_crash_leaves_half_written_is_passed_over(tmp_path):
+    vectors.save(FlatVectors.of(3, rows([1, 2])), tmp_path, "clips", "model")
+    (sound,) = tmp_path.iterdir()
+    shutil.copytree(sound, tmp_path / ".clips.abcd")
+    shutil.copytree(sound, tmp_path / "clips.4.abcd")
+    (tmp_path / "clips.4.abcd" / "owners.npy").unlink()
+    (tmp_path / "clips.x.abcd").mkdir()
+    (tmp_path / "clips.5.efgh").write_text("a file")
+    assert vectors.load(tmp_path, "clips", "model", SIZE).generation == 3
+
+
+@pytest.mark.slow
+def test_a_single_query_is_not_slowed_by_threads():
+    """FAISS with several threads a query is slower than with one; see `_Block.search`."""
+    import time
+
+    import faiss
+
+    many = rows(np.arange(100_000))
+    index = FlatVectors.of(1, many)
+
+    def quickest(search):
+        times = []
+        for _ in range(7):
+            began = time.perf_counter()
+            search()
+            times.append(time.perf_counter() - began)
+        return min(times)
+
+    alone = quickest(lambda: index.search(queries(1), 10))
+    faiss.omp_set_num_threads(os.cpu_count() or 1)
+    with_all = quickest(lambda: index._main.index.search(queries(1), 10))
+    assert alone < 1.5 * with_all
