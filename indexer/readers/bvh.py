@@ -163,7 +163,7 @@ def _frames(
     if channels == 0:
         raise UnreadableMotion(path, "no joint has channels, so nothing moves")
     try:
-        values = parse_numbers(memoryview(data)[at:])
+        values = parse_numbers(data[at:])
     except ValueError as error:
         raise UnreadableMotion(path, f"the motion is not all numbers: {error}") from None
     count, left = divmod(len(values), channels)
