@@ -291,7 +291,7 @@ def drive(c: Cue) -> list[Key]:
 
     def at(angle: float) -> dict[str, ArrayLike]:
         x, y = wheel * np.cos(angle), wheel * np.sin(angle)
-        return {"lead": centre + [x - 0.34, -y, 0], "off": centre + [x - 0.34, y, 0]}
+        return {"lead": moved(centre, x - 0.34, -y, 0), "off": moved(centre, x - 0.34, y, 0)}
 
     way = c.toward or (1.0 if c.chance(0.5) else -1.0)
     keys = [key(0.6, c.r(0.2, 0.6), **at(0.0))]

@@ -134,19 +134,6 @@ def block(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("dodge", group=GROUP, directions=("left", "right", "backward", "down"), counts=(1, 4))
-def dodge(c: Cue) -> list[Key]:
-    keys = [key(0.35, 0.2, **_guard(c), **_stance(c))]
-    for _ in range(c.times(1, 2)):
-        deep = {"root": (0.0, -0.3, -0.05), "spine": (0.6, 0, 0), "head": (-0.2, 0, 0)}
-        away = {"root": (0.0, -0.06, -0.1), "spine": (-0.35, 0, 0), "head": (0.2, 0, 0)}
-        side = c.toward or (1.0 if c.chance(0.5) else -1.0)
-        aside = {"root": (0.12 * side, -0.12, 0.0), "spine": (0.25, 0.4 * side, 0), "head": (0, -0.2 * side, 0)}
-        move = {"down": deep, "backward": away}.get(c.step.direction, aside)
-        keys += [key(c.r(0.15, 0.28), c.r(0.05, 0.25), **move), key(0.35, root=(0, -0.05, 0), spine=(0.05, 0, 0))]
-    return [*keys, back(0.6)]
-
-
 def _poise(c: Cue) -> dict[str, ArrayLike]:
     """Where the arms are while a leg kicks: on guard, or out for balance, or loose."""
     kind = c.rng.random()

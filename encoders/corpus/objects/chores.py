@@ -6,8 +6,8 @@ import numpy as np
 
 from encoders.corpus.acting import HANDS, ONE_ARM, SIDED, SIZES, UPPER, Cue, acted, grip, moved, orbit
 from encoders.corpus.curves import ARMS, Array
-from encoders.corpus.everyday import to_and_fro
 from encoders.corpus.keyframes import Key, back, key
+from encoders.corpus.objects.everyday import to_and_fro
 
 GROUP = "object"
 
