@@ -17,11 +17,12 @@ from encoders.skeleton import INDEX, MIRROR
 OFFSETS = np.array(
     [
         [0, 0, 0], [0.085, -0.07, -0.01], [-0.085, -0.07, -0.01], [0, 0.115, -0.015], [0, -0.4, 0], [0, -0.4, 0],
-        [0, 0.135, 0.01], [0, -0.415, 0], [0, -0.415, 0], [0, 0.065, 0.02], [0.02, -0.065, 0.13], [-0.02, -0.065, 0.13],
-        [0, 0.205, -0.03], [0.07, 0.11, -0.02], [-0.07, 0.11, -0.02], [0, 0.1, 0.045], [0.11, 0.03, -0.015],
+        [0, 0.135, 0.03], [0, -0.415, 0], [0, -0.415, 0], [0, 0.065, 0.035], [0.02, -0.065, 0.13], [-0.02, -0.065, 0.13],
+        [0, 0.205, -0.015], [0.07, 0.11, -0.02], [-0.07, 0.11, -0.02], [0, 0.1, 0.045], [0.11, 0.03, -0.015],
         [-0.11, 0.03, -0.015], [0, -0.27, 0], [0, -0.27, 0], [0, -0.26, 0], [0, -0.26, 0],
     ]
 )  # fmt: skip
+_AHEAD = 0.075  #: hips ahead of the ankles, standing
 LEG = 0.815  #: length of the canonical leg, hip to ankle
 
 _HIPS = [INDEX["left_hip"], INDEX["right_hip"]]
@@ -158,7 +159,9 @@ def _trunk(curves: Curves, offsets: Array, scale: float) -> _Trunk:
     pelvis, bend = tilt[3] @ tilt[0], tilt[1]
     hips = offsets[_HIPS]
     local = turn(pelvis, np.concatenate([hips - hips.mean(0), [-hips.mean(0), offsets[3] - hips.mean(0)]]))
-    root = curves.root * scale
+    # Upright, the hips are carried ahead of the ankles, over the middle of the feet.
+    upright = np.clip((curves.root[:, 1] - 0.5) / 0.3, 0.0, 1.0) * np.clip(np.cos(curves.pelvis[:, 0]), 0.0, 1.0)
+    root = curves.root * scale + _AHEAD * upright[:, None] * tilt[3][:, :, 2]
     joints[:, [*_HIPS, 0, 3]] = root[:, None] + local
     frame = pelvis
     for parent, child in ((3, 6), (6, 9)):
@@ -207,7 +210,7 @@ def _elbow_poles(curves: Curves, trunk: _Trunk, axis: Array) -> Array:
     """Elbows point back where the arm hangs, down where it is held forward, outward where it is raised: (F, 2, 3)."""
     raised = axis @ trunk.chest[:, :, 1:2]
     local = np.empty_like(axis)
-    local[..., 0] = _OUT[:, 0] * 0.45
+    local[..., 0] = _OUT[:, 0] * 0.28
     local[..., 1] = -0.85
     local[..., 2] = -0.6 + 0.7 * np.clip(raised[..., 0] + 0.3, 0.0, 1.0)
     return _swing(turn(trunk.chest, local), axis, curves.elbow * _OUT[:, 0])

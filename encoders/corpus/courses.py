@@ -98,7 +98,7 @@ def travel(
     still = step.direction == "in place"
     sideways = {"left": 0.8, "right": 0.8}.get(step.direction, 0.7 if step.direction.startswith("back") else 1.0)
     speed = gait.speed * pace * manner.factor("pace") * stride * sideways
-    going = effort(frames, rng) if going is None else going
+    going = effort(frames, rng, rest=0.4 if gait.duty < 0.5 else 0.6) if going is None else going
     way = np.cumsum(speed * going) / FPS
     facing, angle = bearing("" if still else step.direction, np.zeros_like(way) if still else way, rng)
     pace_of_feet = gait.cadence * np.sqrt(pace) * manner.factor("pace")

@@ -41,6 +41,10 @@ class Gait:
         Swing of the upper arm to either side of its middle, radians.
     elbow : float
         Bend of the elbow, radians.
+    twist, yaw : float
+        How far the chest turns against the legs to either side, radians; the pelvis' share of it, the other way.
+    behind : float
+        How far a foot stands behind the hips in the middle of its stance.
     width : float
         Half the distance of the feet.
     crouch : float
@@ -52,14 +56,17 @@ class Gait:
     speed: float = 1.25
     cadence: float = 1.85
     duty: float = 0.62
-    lift: float = 0.1
+    lift: float = 0.13
     bob: float = 0.02
-    push: float = 0.6
+    push: float = 0.75
     tiptoe: float = 0.0
     lean: float = 0.03
     arms: float = 0.4
     elbow: float = 0.35
-    width: float = 0.08
+    twist: float = 0.055
+    yaw: float = 1.7
+    behind: float = 0.0
+    width: float = 0.05
     crouch: float = 0.015
     offset: float = 0.5
 
@@ -132,7 +139,11 @@ def _foot(course: Course, gait: Gait, manner: Manner, side: int) -> tuple[Array,
     """Ankle (N, 3), foot pitch (N,) and foot yaw (N,) of one side."""
     width = gait.width * float(np.clip(manner.factor("width"), 0.25, 2.2))
     place, share, swing = plant(
-        course, course.phase - (gait.offset if side == RIGHT else 0.0), gait.duty, width if side == LEFT else -width
+        course,
+        course.phase - (gait.offset if side == RIGHT else 0.0),
+        gait.duty,
+        width if side == LEFT else -width,
+        -gait.behind,
     )
     effort, facing = course.effort, place[:, 3]
     raised = np.maximum(gait.lift + manner.lift, 0.015) * effort + course.lift
@@ -148,7 +159,7 @@ def _foot(course: Course, gait: Gait, manner: Manner, side: int) -> tuple[Array,
     ankle[:, 0] = place[:, 0] + forward * np.sin(facing)
     ankle[:, 1] = ANKLE + place[:, 1] + raised + up
     ankle[:, 2] = place[:, 2] + forward * np.cos(facing)
-    toes = 0.0 if gait.tiptoe else 0.4 * min(gait.push, 0.6)
+    toes = 0.0 if gait.tiptoe else 0.35 * min(gait.push, 0.7)
     return ankle, toes * effort * np.minimum(land, 1.0) - heel, facing
 
 
@@ -172,8 +183,8 @@ def step_along(course: Course, gait: Gait, manner: Manner) -> Curves:
 def _hips(curves: Curves, course: Course, gait: Gait, manner: Manner, beat: Array) -> None:
     keep = slice(PAD, len(course.phase) - PAD)
     effort, facing = course.effort[keep], course.facing[keep]
-    narrow = min(gait.width / 0.08, 1.5)
-    sway = 0.02 * narrow * float(np.clip(manner.factor("sway"), 0.2, 2.5)) * effort * beat
+    narrow = min(gait.width / 0.05, 1.6)
+    sway = 0.026 * narrow * float(np.clip(manner.factor("sway"), 0.2, 2.5)) * effort * beat
     curves.root[:, 0] = course.root[keep, 0] + sway * np.cos(facing)
     curves.root[:, 2] = course.root[keep, 1] - sway * np.sin(facing)
     bob = gait.bob * float(np.clip(manner.factor("bounce"), 0.2, 2.5)) * (-1.0 if gait.duty < 0.5 else 1.0)
@@ -194,14 +205,14 @@ def smooth_level(level: Array | float, frames: int, window: int = 15) -> Array:
 
 def _torso(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Array, beat: Array) -> None:
     roll = 0.05 * float(np.clip(manner.factor("sway"), 0.2, 3.0)) * effort * beat
-    twist = 0.05 * min(gait.speed + 0.3, 2.5) * float(np.clip(manner.factor("twist"), 0.2, 2.5))
-    turn = twist * effort * np.cos(cycle)
+    turn = gait.twist * float(np.clip(manner.factor("twist"), 0.2, 2.5)) * effort * np.cos(cycle - 0.15)
     curves.pelvis[:, 0] = 0.35 * gait.lean * effort
     curves.pelvis[:, 1] = -roll
-    curves.pelvis[:, 2] = -turn
+    curves.pelvis[:, 2] = -gait.yaw * turn
     curves.spine[:, 0] = 0.65 * gait.lean * effort
-    curves.spine[:, 1] = 0.6 * roll + 0.12 * manner.limp * effort * beat
-    curves.spine[:, 2] = 1.7 * turn
+    # The trunk leans to the foot that lands.
+    curves.spine[:, 1] = roll + effort * (0.085 * np.cos(cycle) + 0.12 * manner.limp * beat)
+    curves.spine[:, 2] = (1 + gait.yaw) * turn
     curves.head[:, 0] = -0.5 * gait.lean * effort
     curves.head[:, 2] = -0.7 * turn
 
@@ -212,7 +223,7 @@ def _arms(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Arra
     effort = effort[:, None]
     upper = effort * (swing * side - 0.12 * gait.elbow)
     bend = 0.2 + effort * (gait.elbow - 0.2 + 0.45 * swing * (side + 0.3))
-    out = 0.13 - 0.1 * np.maximum(side, 0.0) * effort * min(gait.elbow, 1.0)
+    out = 0.1 - 0.1 * np.maximum(side, 0.0) * effort * min(gait.elbow, 1.0)
     swing_arms(curves, upper, np.maximum(bend, 0.05), out)
 
 
