@@ -23,6 +23,7 @@ COMMANDS = {
     "similar": "search.commands.similar",
     "segment": "search.commands.segment",
     "export": "search.commands.export",
+    "serve": "search.commands.serve",
     "status": "search.commands.status",
     "model": "search.commands.model",
     "demo": "search.commands.demo",

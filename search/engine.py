@@ -14,20 +14,21 @@ from encoders.motion import Motion
 from indexer.clips import Clip
 from indexer.library import Library
 from search.dense import Vectors
-from search.evidence import Evidence, best_evidence, likeliest
+from search.evidence import Evidence, best_evidence, best_spans, likeliest
 from search.filters import Filters
 from search.hits import Hit, Step
-from search.moments import Moment
+from search.moments import Moment, sharpen
 from search.question import Question
 from search.source import Source, find_clip, find_source
 from search.strength import judge
-from search.takes import caption, describe_motion, find, moments_in
+from search.takes import caption, describe_motion, find, moments_in, region_of
 
 Ref: TypeAlias = "str | PathLike[str] | Motion"
 Ids = NDArray[np.int64]
+Located = tuple[int, Moment, tuple[Step, ...]]
 
-#: Clips looked at closely when the whole library is asked for moments, for each answer asked for.
-_REFINED = 2
+#: Clips asked by themselves when several sentences are asked of the whole library, for each answer asked for.
+_ASKED = 2
 
 
 class SearchableLibrary(Library):
@@ -123,7 +124,7 @@ class SearchableLibrary(Library):
         UnreadableMotion, LibraryError
             If it names nothing that can be read.
         """
-        return Source("", None, ref) if isinstance(ref, Motion) else find_source(ref, self)
+        return Source.of_motion(ref) if isinstance(ref, Motion) else find_source(ref, self)
 
     def known(self, ref: str | PathLike[str]) -> Clip | None:
         """The clip a reference names, or None for a file that is not in the library."""
@@ -155,19 +156,42 @@ class SearchableLibrary(Library):
     def _moment_hits(
         self, question: Question, queries: Vectors, k: int, allowed: Ids | None, *, asked: str = "sentence"
     ) -> list[Hit]:
-        """The best spans over all clips: windows choose the clips, a close look at each the spans."""
-        clips = self.clips(likeliest(self, queries, _REFINED * k, allowed=allowed))
-        found = [
-            (moment, clip, steps)
-            for clip in clips.values()
+        """The best spans over all clips."""
+        found = (
+            self._best_moments(queries, k, allowed)
+            if question.how == "alone"
+            else self._best_answers(question, queries, k, allowed)
+        )
+        clips = self.clips([clip_id for clip_id, *_ in found])
+        strengths = judge(self.bundle, queries.mean(axis=0), [moment.score for _, moment, _ in found], asked=asked)
+        return [
+            self._hit(rank, clips[clip_id], moment, strength, steps)
+            for rank, ((clip_id, moment, steps), strength) in enumerate(zip(found, strengths, strict=True), start=1)
+        ]
+
+    def _best_moments(self, queries: Vectors, k: int, allowed: Ids | None) -> list[Located]:
+        """Windows of all clips say where; each place is then looked at closely."""
+        places: dict[int, list[Moment]] = {}
+        for place in best_spans(self, queries[0], k, allowed=allowed):
+            places.setdefault(place.clip_id, []).append(Moment(place.start or 0.0, place.end or 0.0, place.score))
+        sources = {clip.id: Source.of_clip(self, clip) for clip in self.clips(places).values()}
+        found: list[Located] = [
+            (clip_id, moment, ())
+            for clip_id, guesses in places.items()
+            for moment in sharpen(
+                self.bundle, region_of(self.bundle, sources[clip_id]), self.bundle.fps, queries, guesses, len(guesses)
+            )
+        ]
+        return sorted(found, key=lambda entry: -entry[1].score)[:k]
+
+    def _best_answers(self, question: Question, queries: Vectors, k: int, allowed: Ids | None) -> list[Located]:
+        """The clips in which all sentences are likely, each asked by itself."""
+        found: list[Located] = [
+            (clip.id, moment, steps)
+            for clip in self.clips(likeliest(self, queries, _ASKED * k, allowed=allowed)).values()
             for moment, steps in find(self.bundle, Source.of_clip(self, clip), question, queries, k)
         ]
-        best = sorted(found, key=lambda entry: -entry[0].score)[:k]
-        strengths = judge(self.bundle, queries.mean(axis=0), [moment.score for moment, *_ in best], asked=asked)
-        return [
-            self._hit(rank, clip, moment, strength, steps)
-            for rank, ((moment, clip, steps), strength) in enumerate(zip(best, strengths, strict=True), start=1)
-        ]
+        return sorted(found, key=lambda entry: -entry[1].score)[:k]
 
     def _hit(self, rank: int, clip: Clip, moment: Moment, strength: str, steps: tuple[Step, ...] = ()) -> Hit:
         end = min(moment.end, clip.duration)

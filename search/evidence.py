@@ -8,6 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indexer.library import Library
+from search.moments import OVERLAP
+from search.refine import length_bonus
+from search.spans import suppress
 
 Vectors = NDArray[np.float32]
 
@@ -72,6 +75,24 @@ def likeliest(library: Library, queries: Vectors, k: int, *, allowed: NDArray[np
         for clip in set().union(*best)
     }
     return sorted(totals, key=lambda clip: -totals[clip])[:k]
+
+
+def best_spans(library: Library, query: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None) -> list[Evidence]:
+    """The k best windows of all clips for a unit vector (D,) of which no two overlap, best first."""
+    if k < 1 or len(library) == 0 or (allowed is not None and len(allowed) == 0):
+        return []
+    count = _PER_CLIP * k
+    while True:
+        scores, ids, starts, ends = (a[0] for a in library.nearest_windows(query[None], count, allowed=allowed))
+        real = ids >= 0
+        value = scores[real] + length_bonus(ends[real] - starts[real])
+        # One time line for all clips, far enough apart that spans of different clips never overlap.
+        shift = np.unique(ids[real], return_inverse=True)[1] * (float(ends[real].max(initial=0.0)) + 1.0)
+        kept = suppress(starts[real] + shift, ends[real] + shift, value, k, overlap=OVERLAP)
+        if len(kept) >= k or real.sum() < count or count >= _MOST_WINDOWS:
+            break
+        count *= 4
+    return [Evidence(int(ids[i]), float(scores[i]), float(starts[i]), float(ends[i])) for i in kept]
 
 
 def _best_windows(library: Library, query: Vectors, k: int, allowed: NDArray[np.int64] | None) -> list[Evidence]:

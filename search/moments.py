@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from indexer import windows
 from search.dense import Encoder, Scored, Vectors, join, score_windows
@@ -17,7 +16,10 @@ from search.spans import suppress
 OVERLAP = 0.3
 
 #: Regions looked at closely for each answer asked for.
-_PROPOSALS = 3
+PROPOSALS = 3
+
+#: (start, end) in seconds -> features of a part of the take with room around that span, and the second it begins at.
+Region = Callable[[float, float], tuple[Vectors, float]]
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,39 @@ def score_stored(stored: Sequence[windows.Windows], queries: Vectors) -> list[Sc
         Scored(w.starts.astype(np.float64), w.ends.astype(np.float64), queries @ w.vectors.astype(np.float32).T)
         for w in stored
     ]
+
+
+def propose(windows: Scored, count: int) -> list[Moment]:
+    """The best windows that overlap no better one, best first; scores are those of the worst query."""
+    kept = suppress(windows.starts, windows.ends, fitness(windows).min(axis=0), count, overlap=OVERLAP)
+    scores = windows.scores.min(axis=0)
+    return [Moment(float(windows.starts[i]), float(windows.ends[i]), float(scores[i])) for i in kept]
+
+
+def sharpen(
+    encoder: Encoder, region: Region, fps: float, queries: Vectors, guesses: Sequence[Moment], k: int
+) -> list[Moment]:
+    """The best moments near first guesses, by encoding densely around them.
+
+    Parameters
+    ----------
+    region : callable
+        See `Region`.
+    fps : float
+        Feature frames a second.
+    queries : float32 array (Q, D)
+        Unit vectors.
+    """
+    if not guesses:
+        return []
+    found = []
+    for guess in guesses:
+        features, offset = region(guess.start, guess.end)
+        first = min(max(round((guess.start - offset) * fps), 0), len(features) - 1)
+        last = max(min(round((guess.end - offset) * fps), len(features)), first + 1)
+        near = refine(encoder, features, fps, queries, first, last)
+        found.append(Scored(near.starts + offset, near.ends + offset, near.scores))
+    return propose(join(found), k)
 
 
 def localise(
@@ -67,20 +102,5 @@ def localise(
     coarse : sequence of Scored
         The take's coarse windows compared with the queries, where a library has them.
     """
-    guesses = join(list(coarse) or score_take(encoder, features, fps, queries))
-    looked_at = [
-        refine(encoder, features, fps, queries, *_frames(guesses, i, fps, len(features)))
-        for i in _best(guesses, _PROPOSALS * k)
-    ]
-    found = join(looked_at)
-    scores = found.scores.min(axis=0)
-    return [Moment(float(found.starts[i]), float(found.ends[i]), float(scores[i])) for i in _best(found, k)]
-
-
-def _best(windows: Scored, k: int) -> NDArray[np.int64]:
-    return suppress(windows.starts, windows.ends, fitness(windows).min(axis=0), k, overlap=OVERLAP)
-
-
-def _frames(guesses: Scored, i: int, fps: float, frames: int) -> tuple[int, int]:
-    first = min(round(guesses.starts[i] * fps), frames - 1)
-    return first, max(min(round(guesses.ends[i] * fps), frames), first + 1)
+    guesses = propose(join(list(coarse) or score_take(encoder, features, fps, queries)), PROPOSALS * k)
+    return sharpen(encoder, lambda start, end: (features, 0.0), fps, queries, guesses, k)

@@ -14,9 +14,14 @@ LENGTHS = (1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0)
 LENGTH_PRIOR = 0.02
 
 
+def length_bonus(seconds: NDArray[np.floating]) -> NDArray[np.float64]:
+    """What is added to a window's similarity for its length."""
+    return np.asarray(LENGTH_PRIOR * np.log2(np.maximum(seconds, 0.1)), np.float64)
+
+
 def fitness(windows: Scored) -> NDArray[np.float64]:
     """How well windows answer (Q, N): their similarity, and a little for their length."""
-    return windows.scores + LENGTH_PRIOR * np.log2(np.maximum(windows.lengths, 0.1))
+    return np.asarray(windows.scores + length_bonus(windows.lengths), np.float64)
 
 
 def around(frames: int, fps: float, start: int, end: int) -> dict[int, Frames]:

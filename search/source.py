@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from os import PathLike, fspath
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.bundle import Bundle
 from encoders.errors import LibraryError, QueryError, UnreadableMotion
 from encoders.motion import Motion
 from indexer import load_motion
@@ -25,7 +30,10 @@ class Source:
         As answers name it.
     file : Path or None
         Where it was read from; None for a motion in memory.
-    motion : Motion
+    duration : float
+        Seconds.
+    read : callable
+        (start, end) in seconds, end None for the end -> Motion.
     captions : sequence of Caption
     windows : sequence of Windows
         Its stored windows; empty where no library holds it.
@@ -35,22 +43,22 @@ class Source:
 
     path: str
     file: Path | None
-    motion: Motion
+    duration: float
+    read: Callable[[float, float | None], Motion]
     captions: Sequence[Caption] = ()
     windows: Sequence[Windows] = ()
     clip_id: int = -1
+    _features: dict[str, NDArray[np.float32]] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of_clip(cls, library: Library, clip: Clip) -> Source:
         """A clip of a library, from its stored poses."""
-        return cls(
-            clip.path,
-            Path(clip.root) / clip.path,
-            library.motion(clip.id),
-            library.captions(clip.id),
-            library.windows(clip.id),
-            clip.id,
-        )
+
+        def read(start: float, end: float | None) -> Motion:
+            return library.motion(clip.id, start, end)
+
+        captions, windows = library.captions(clip.id), library.windows(clip.id)
+        return cls(clip.path, clip.file, clip.duration, read, captions, windows, clip.id)
 
     @classmethod
     def of_file(cls, path: str | PathLike[str]) -> Source:
@@ -61,12 +69,23 @@ class Source:
         UnreadableMotion
             If it cannot be read.
         """
-        return cls(fspath(path), Path(path), load_motion(path))
+        return cls.of_motion(load_motion(path), fspath(path), Path(path))
 
-    @property
-    def duration(self) -> float:
-        """Seconds."""
-        return self.motion.duration
+    @classmethod
+    def of_motion(cls, motion: Motion, path: str = "", file: Path | None = None) -> Source:
+        """A motion in memory."""
+        return cls(path, file, motion.duration, motion.crop)
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The whole motion."""
+        return self.read(0.0, None)
+
+    def features(self, bundle: Bundle) -> NDArray[np.float32]:
+        """The features (T', F) of the whole motion that a model reads."""
+        if bundle.fingerprint not in self._features:
+            self._features[bundle.fingerprint] = bundle.features(self.motion)
+        return self._features[bundle.fingerprint]
 
     def cut(self, start: float | None = None, end: float | None = None) -> Motion:
         """The motion from `start` to `end`, in seconds.
@@ -79,7 +98,7 @@ class Source:
         if start is None and end is None:
             return self.motion
         try:
-            return self.motion.crop(start or 0.0, end)
+            return self.read(start or 0.0, end)
         except ValueError as error:
             raise QueryError(f"{self.path}: {error}; give a start and end inside it, in seconds") from None
 

@@ -11,9 +11,9 @@ from encoders.bundle import Bundle
 from encoders.motion import Motion
 from indexer.clips import Caption
 from search.chains import best_chain, candidates, whole
-from search.dense import Vectors, curve, every, score_windows
+from search.dense import Scored, Vectors, curve, every, join, score_windows
 from search.hits import Hit, Step
-from search.moments import Moment, localise, score_stored
+from search.moments import PROPOSALS, Moment, Region, propose, score_stored, score_take, sharpen
 from search.question import Question
 from search.source import Source
 from search.strength import judge
@@ -21,9 +21,12 @@ from search.vocabulary import vocabulary
 
 Found = tuple[Moment, tuple[Step, ...]]
 
-#: The curve's windows, in seconds, and how many of them at most.
+#: Takes up to so many seconds are looked at as a whole and densely; of longer ones, the stored windows say where.
+LONG = 300.0
+#: Seconds of motion around a span that is looked at closely: what features see of a take beyond a window is slow.
+_ROOM = 8.0
+#: The length of the windows of which the curve is made, in seconds.
 CURVE_WINDOW = 1.6
-_CURVE_POINTS = 3000
 
 
 def moments_in(bundle: Bundle, source: Source, question: Question, k: int) -> list[Hit]:
@@ -39,15 +42,38 @@ def moments_in(bundle: Bundle, source: Source, question: Question, k: int) -> li
 
 def find(bundle: Bundle, source: Source, question: Question, queries: Vectors, k: int) -> list[Found]:
     """Spans of one motion that answer a question whose sentences are unit vectors (S, D), with their steps."""
-    features = bundle.features(source.motion)
-    if question.how == "then":
-        chain = best_chain(candidates(bundle, features, bundle.fps, queries))
-        if chain is None:
-            return []
-        steps = [Step(t, m.start, m.end, m.score) for t, m in zip(question.sentences, chain[0], strict=True)]
-        return [(whole(chain[0]), tuple(steps))]
-    coarse = score_stored(source.windows, queries)
-    return [(moment, ()) for moment in localise(bundle, features, bundle.fps, queries, k, coarse=coarse)]
+    if question.how != "then":
+        guesses = propose(coarse_windows(bundle, source, queries), PROPOSALS * k)
+        return [(m, ()) for m in sharpen(bundle, region_of(bundle, source), bundle.fps, queries, guesses, k)]
+    if source.duration > LONG:
+        windows = coarse_windows(bundle, source, queries)
+    else:
+        windows = candidates(bundle, source.features(bundle), bundle.fps, queries)
+    chain = best_chain(windows)
+    if chain is None:
+        return []
+    steps = tuple(Step(text, m.start, m.end, m.score) for text, m in zip(question.sentences, chain[0], strict=True))
+    return [(whole(chain[0]), steps)]
+
+
+def coarse_windows(bundle: Bundle, source: Source, queries: Vectors) -> Scored:
+    """The library's windows of a motion, or those a library would have, compared with queries (Q, D)."""
+    if source.windows:
+        return join(score_stored(source.windows, queries))
+    return join(score_take(bundle, source.features(bundle), bundle.fps, queries))
+
+
+def region_of(bundle: Bundle, source: Source) -> Region:
+    """Features of parts of a motion; of a long clip of a library only what is asked for is read."""
+    if source.windows and source.duration > LONG:
+
+        def part(start: float, end: float) -> tuple[Vectors, float]:
+            first = max(start - _ROOM, 0.0)
+            return bundle.features(source.read(first, end + _ROOM)), first
+
+        return part
+    features = source.features(bundle)
+    return lambda start, end: (features, 0.0)
 
 
 def hit(rank: int, source: Source, moment: Moment, strength: str, steps: tuple[Step, ...] = ()) -> Hit:
@@ -59,7 +85,7 @@ def hit(rank: int, source: Source, moment: Moment, strength: str, steps: tuple[S
     )
 
 
-def curves(bundle: Bundle, motion: Motion, queries: Vectors) -> tuple[NDArray[np.float64], Vectors]:
+def curves(bundle: Bundle, source: Source, queries: Vectors) -> tuple[NDArray[np.float64], Vectors]:
     """Similarity over time: that of the window of 1.6 s around each time.
 
     Parameters
@@ -69,14 +95,18 @@ def curves(bundle: Bundle, motion: Motion, queries: Vectors) -> tuple[NDArray[np
     Returns
     -------
     times : float64 array (T,)
-        Seconds, at most ten a second.
+        Seconds: ten a second, for a long motion as many as there are windows.
     similarity : float32 array (Q, T)
     """
-    features = bundle.features(motion)
-    length = min(round(CURVE_WINDOW * bundle.fps), len(features))
-    starts = every(len(features), length, max(1, -(-len(features) // _CURVE_POINTS)))
-    windows = score_windows(bundle, features, bundle.fps, starts, length, queries)
-    times = np.linspace(0, motion.duration, min(max(int(motion.duration * 10), 2), _CURVE_POINTS))
+    if source.windows and source.duration > LONG:
+        windows = score_stored(source.windows, queries)[0]
+    else:
+        features = source.features(bundle)
+        length = min(round(CURVE_WINDOW * bundle.fps), len(features))
+        starts = every(len(features), length, 1 if source.duration <= LONG else length // 4)
+        windows = score_windows(bundle, features, bundle.fps, starts, length, queries)
+    rate = 10.0 if source.duration <= LONG else 4 / CURVE_WINDOW
+    times = np.linspace(0, source.duration, max(int(source.duration * rate), 2))
     return times, curve(windows, times)
 
 

@@ -95,7 +95,7 @@ def _locate(library: SearchableLibrary, moment: dict[str, str], picture: Path, s
     source = library.source(moment["clip"])
     question = Question.of(moment["sentence"])
     found = moments_in(library.bundle, source, question, 3)
-    times, similarity = curves(library.bundle, source.motion, question.encode(library.bundle))
+    times, similarity = curves(library.bundle, source, question.encode(library.bundle))
     plot_moments(picture, question, source, found, times, similarity)
     say(f'$ motionseek moments "{question}" {source.path} -k 3 --plot moment.png')
     if say is print:

@@ -69,7 +69,7 @@ def moments(
 
     with options.open_source(ref, folder) as (bundle, source, _):
         found = moments_in(bundle, source, question, k)
-        times, similarity = curves(bundle, source.motion, question.encode(bundle))
+        times, similarity = curves(bundle, source, question.encode(bundle))
     if plot is not None:
         from search.render import plot_moments
 

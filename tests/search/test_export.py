@@ -43,13 +43,13 @@ def _tumbling() -> Motion:
 
 def test_the_22_joint_rig_gives_back_every_joint(tmp_path: Path) -> None:
     motion = _tumbling()
-    write_cut(Source("", None, motion), tmp_path / "x.bvh")
+    write_cut(Source.of_motion(motion), tmp_path / "x.bvh")
     assert np.abs(_joints(tmp_path / "x.bvh") - motion.joints).max() < 1e-5
 
 
 def test_bones_that_point_straight_against_the_rest_pose(tmp_path: Path) -> None:
     motion = Motion(made_motion(1, 1).joints * np.array([1, -1, 1], np.float32))
-    write_cut(Source("", None, motion), tmp_path / "x.bvh")
+    write_cut(Source.of_motion(motion), tmp_path / "x.bvh")
     assert np.abs(_joints(tmp_path / "x.bvh") - motion.joints).max() < 1e-5
 
 
@@ -78,7 +78,7 @@ def test_a_cut_of_a_real_bvh_reads_as_the_same_movement(mocap: Path, tmp_path: P
 @pytest.mark.parametrize("ending", [".npy", ".npz"])
 def test_arrays_hold_the_frames_of_the_cut(tmp_path: Path, ending: str) -> None:
     motion = made_motion(5, 2)
-    write_cut(Source("", None, motion), tmp_path / f"cut{ending}", 1.0, 2.0)
+    write_cut(Source.of_motion(motion), tmp_path / f"cut{ending}", 1.0, 2.0)
     loaded = np.load(tmp_path / f"cut{ending}")
     joints = loaded if ending == ".npy" else loaded["joints"]
     np.testing.assert_array_equal(joints, motion.joints[20:40])
@@ -97,5 +97,5 @@ def test_frames_that_share_lines_cannot_be_cut(tmp_path: Path) -> None:
 
 def test_a_cut_outside_the_motion_is_refused(tmp_path: Path) -> None:
     with pytest.raises(QueryError, match="outside"):
-        write_cut(Source("x", None, made_motion(2, 0)), tmp_path / "x.npy", 5, 6)
+        write_cut(Source.of_motion(made_motion(2, 0), "x"), tmp_path / "x.npy", 5, 6)
     assert list(tmp_path.iterdir()) == []

@@ -26,7 +26,7 @@ def test_a_strip_of_poses(tmp_path: Path) -> None:
 
 
 def test_similarity_over_time_with_steps(tmp_path: Path) -> None:
-    source = Source("take.bvh", None, made_motion(8, 0))
+    source = Source.of_motion(made_motion(8, 0), "take.bvh")
     steps = (Step("walks", 1, 3, 0.5), Step("sits", 4, 6, 0.4))
     hit = Hit(1, "take.bvh", 0.45, "", 1, 6, 8, steps=steps)
     times = np.linspace(0, 8, 80)
