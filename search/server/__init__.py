@@ -1,0 +1,1 @@
+"""The local server: HTTP around one library. Needs the extra `serve`."""

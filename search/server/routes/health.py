@@ -1,0 +1,38 @@
+"""For machines that watch machines: is it well, and how busy."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Response
+
+from search.server import documents, metrics
+from search.server.documents import answer
+from search.server.errors import ANY, ok
+from search.server.state import State
+
+
+def routes(state: State) -> APIRouter:
+    """The routes for monitors."""
+    router = APIRouter(tags=["health"], default_response_class=Response, responses=ANY)
+
+    @router.get("/healthz", responses=ok(documents.HealthShape))
+    async def healthz() -> Response:
+        """Whether questions can be answered."""
+        state.library.snapshot  # noqa: B018  raises where they cannot
+        return answer({"status": "ok"})
+
+    @router.get("/metrics", responses={200: {"content": {"text/plain": {"schema": {"type": "string"}}}}})
+    async def numbers() -> Response:
+        """Counts and times in Prometheus's text format."""
+        snapshot, searches = state.library.snapshot, state.searches
+        gauges = {
+            "motionseek_clips": ("gauge", "Clips that can be found.", snapshot.count),
+            "motionseek_generation": ("gauge", "State of the library that is answered from.", snapshot.generation),
+            "motionseek_requests_in_flight": ("gauge", "Requests being answered.", state.metrics.in_flight),
+            "motionseek_search_batches_total": ("counter", "Batches of searches.", searches.batches),
+            "motionseek_batched_searches_total": ("counter", "Searches in them.", searches.items),
+            "motionseek_uploads_refused_total": ("counter", "Uploads refused.", state.uploads.refused),
+            "motionseek_resident_bytes": ("gauge", "Memory held.", metrics.resident_bytes()),
+        }
+        return Response(state.metrics.text(gauges), media_type=metrics.CONTENT_TYPE)
+
+    return router

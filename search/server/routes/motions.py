@@ -1,0 +1,124 @@
+"""Motions: what is known of them, their joints, their cuts as files."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path, PurePosixPath
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query, Request, Response
+from fastapi import Path as InPath
+from fastapi.responses import FileResponse
+from starlette.background import BackgroundTask
+
+from encoders.errors import QueryError
+from encoders.motion import FPS, Motion
+from encoders.skeleton import JOINTS, PARENTS
+from search.export import write_cut
+from search.server import documents, joints
+from search.server.documents import answer
+from search.server.errors import ANY, NO_CLIP, ok
+from search.server.parameters import ClipRef, Count, Filters, Span
+from search.server.state import State
+from search.server.uploads import Upload
+
+_Clip = Annotated[str, InPath(pattern=r"^([0-9]{1,18}|u[0-9a-f]{32})$")]
+_BYTES: dict[int | str, dict[str, Any]] = {
+    200: {"content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}}
+}
+
+
+def routes(state: State) -> APIRouter:
+    """The routes about motions."""
+    router = APIRouter(prefix="/api", tags=["motions"], default_response_class=Response, responses=ANY)
+    library = state.library
+
+    @router.get("/motions", responses=ok(documents.MotionsShape))
+    def motions(given: Filters, offset: Annotated[int, Query(ge=0, le=10**9)] = 0, limit: Count = 24) -> Response:
+        """The library page by page, in order of clip numbers."""
+        allowed = library.allowed(**given)
+        ids = library.ids() if allowed is None else allowed
+        clips = library.clips(ids[offset : offset + limit].tolist())
+        return answer({"total": len(ids), "motions": [documents.motion(clip) for clip in clips.values()]})
+
+    @router.get("/motions/{clip}", responses=ok(documents.CaptionedMotionShape) | NO_CLIP)
+    def motion(clip: _Clip) -> Response:
+        """What is known of a motion."""
+        found = state.clip(clip)
+        if isinstance(found, Upload):
+            return answer(_uploaded(found))
+        return answer(documents.motion(found) | {"captions": documents.captions(library.captions(found.id))})
+
+    @router.get("/motions/{clip}/joints", responses=_BYTES | NO_CLIP)
+    def motion_joints(
+        request: Request, clip: _Clip, span: Span, fps: Annotated[float, Query(ge=1, le=60)] = FPS
+    ) -> Response:
+        """The 22 joints of a motion, or a span of it, as bytes: see docs/serving.md."""
+        start, end = span
+        tag = f'"{library.snapshot.generation:x}-{clip}-{start}-{end}-{fps:g}"'
+        headers = {"ETag": tag, "Cache-Control": "private, no-cache"}
+        if request.headers.get("if-none-match") == tag:
+            return Response(status_code=304, headers=headers)
+        cut = _cut(state, clip, start, end)
+        cut = cut if fps == cut.fps else cut.resample(fps)
+        data = joints.pack(cut, start or 0.0)
+        return Response(data, media_type="application/octet-stream", headers=headers)
+
+    @router.get("/skeleton", responses=ok(documents.SkeletonShape))
+    def skeleton() -> Response:
+        """The 22 joints: their names and parents."""
+        return answer({"joints": list(JOINTS), "parents": PARENTS.tolist()})
+
+    @router.get("/export", responses=_BYTES | NO_CLIP)
+    async def export(clip: ClipRef, span: Span, format: Literal["bvh", "npz", "npy"] = "bvh") -> Response:
+        """A motion, or a span of it, as a file."""
+        folder = tempfile.TemporaryDirectory(prefix="motionseek-")
+        try:
+            source = state.source(clip)
+            out = Path(folder.name) / f"cut.{format}"
+            await state.at_length(lambda: write_cut(source, out, *span))
+        except BaseException:
+            folder.cleanup()
+            raise
+        name = _file_name(PurePosixPath(source.path).stem, *span, format)
+        return FileResponse(
+            out,
+            media_type="application/octet-stream",
+            filename=name,
+            headers={"Cache-Control": "no-store"},
+            background=BackgroundTask(folder.cleanup),
+        )
+
+    return router
+
+
+def _cut(state: State, ref: str, start: float | None, end: float | None) -> Motion:
+    """A span of a motion; of a clip only the stored pieces that it touches are read."""
+    found = state.clip(ref)
+    if isinstance(found, Upload):
+        return found.source.cut(start, end)
+    try:
+        return state.library.motion(found.id, start, end)
+    except ValueError as error:
+        raise QueryError(f"{error}; give a start and end inside it, in seconds") from None
+
+
+def _uploaded(upload: Upload) -> dict[str, object]:
+    motion, path = upload.source.motion, upload.source.path
+    return {
+        "clip": upload.key,
+        "path": path,
+        "name": PurePosixPath(path).stem,
+        "duration": round(motion.duration, 3),
+        "fps": motion.fps,
+        "frames": len(motion),
+        "format": upload.format,
+        "rig": upload.rig,
+        "added": "",
+        "captions": [],
+    }
+
+
+def _file_name(stem: str, start: float | None, end: float | None, format: str) -> str:
+    span = "" if start is None and end is None else f"_{start or 0:g}-{'end' if end is None else f'{end:g}'}"
+    return f"{stem}{span}.{format}"

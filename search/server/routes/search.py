@@ -1,0 +1,156 @@
+"""Questions: search, moments, the curve over a take, describe, similar."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated, Any, cast
+
+from fastapi import APIRouter, Query, Request, Response
+
+from search.question import Question
+from search.server import documents
+from search.server.documents import encoded
+from search.server.errors import ANY, NO_CLIP, UPLOAD, ok
+from search.server.parameters import ClipRef, Count, FileName, Filters, Offset, Sentence, Sentences, Span
+from search.server.served import Search
+from search.server.state import State
+from search.source import Source
+from search.takes import curves, describe_motion, moments_in
+
+_BODY: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
+    }
+}
+
+
+def routes(state: State) -> APIRouter:
+    """The routes that answer questions."""
+    router = APIRouter(prefix="/api", tags=["asking"], default_response_class=Response, responses=ANY)
+    library = state.library
+
+    @router.get("/search", responses=ok(documents.HitsShape))
+    async def search(q: Sentence, given: Filters, k: Count = 10, offset: Offset = 0) -> Response:
+        """The clips that fit a sentence best, each with the span that does."""
+        filters = tuple(given.items())
+        key = (library.snapshot.generation, "search", q, k, offset, filters)
+        document = state.answers.get(key)
+        if document is None:
+            hits = (await state.searches.ask(Search(q, offset + k, filters)))[offset:]
+            document = _written({"query": q, "hits": documents.hits(hits)})
+            state.answers.put(key, document)
+        return encoded(document)
+
+    @router.get("/moments", responses=ok(documents.MomentsShape) | NO_CLIP)
+    async def moments(
+        request: Request,
+        given: Filters,
+        q: Sentence | None = None,
+        then: Annotated[list[Sentence], Query(max_length=8)] = [],  # noqa: B006
+        meanwhile: Annotated[list[Sentence], Query(max_length=8, alias="while")] = [],  # noqa: B006
+        split: bool = True,
+        clip: ClipRef | None = None,
+        k: Count = 10,
+    ) -> Response:
+        """Where it happens: in one take, with the similarity over time, or anywhere in the library."""
+        question = Question.of(q, then, meanwhile, split_steps=split)
+
+        def in_library() -> bytes:
+            return _written(_moments(question, documents.hits(library.answer(question, k=k, **given))))
+
+        def in_clip() -> bytes:
+            assert clip is not None
+            source = state.source(clip)
+            found = documents.hits(moments_in(library.bundle, source, question, k), clip)
+            return _written(_moments(question, found) | {"curve": _curve(state, source, question)})
+
+        return encoded(await state.remembered(_asked(request), in_library if clip is None else in_clip))
+
+    @router.get("/curve", responses=ok(documents.ClipCurveShape) | NO_CLIP)
+    async def curve(request: Request, clip: ClipRef, q: Sentences) -> Response:
+        """Similarity over time of one take to sentences."""
+        question = _several(q)
+
+        def make() -> bytes:
+            source = state.source(clip)
+            named = {"clip": _ref(source, clip), "path": source.path, "duration": round(source.duration, 3)}
+            return _written(named | _curve(state, source, question))
+
+        return encoded(await state.remembered(_asked(request), make))
+
+    def described(source: Source, ref: str, span: tuple[float | None, float | None], k: int) -> bytes:
+        texts, _, vectors = library.caption_vectors()
+        found = describe_motion(library.bundle, source.cut(*span), k, texts, vectors)
+        sentences = [{"text": text, "score": round(score, 4)} for text, score in found]
+        return _written({"path": source.path, "sentences": sentences, "clip": _ref(source, ref)})
+
+    @router.get("/describe", responses=ok(documents.DescriptionShape) | NO_CLIP)
+    async def describe(request: Request, clip: ClipRef, span: Span, k: Count = 5) -> Response:
+        """The sentences that fit a clip, or a span of it, best."""
+        make = lambda: described(state.source(clip), clip, span, k)  # noqa: E731
+        return encoded(await state.remembered(_asked(request), make))
+
+    @router.post("/describe", openapi_extra=_BODY, responses=ok(documents.DescriptionShape) | UPLOAD)
+    async def describe_upload(request: Request, name: FileName, span: Span, k: Count = 5) -> Response:
+        """The sentences that fit an uploaded motion best."""
+        upload = await state.uploads.receive(request, name)
+        return encoded(await state.at_length(lambda: described(upload.source, upload.key, span, k)))
+
+    def alike(
+        source: Source, ref: str, span: tuple[float | None, float | None], moments: bool, k: int, given: dict[str, Any]
+    ) -> bytes:
+        found = documents.hits(library.similar(cast(Any, source), k, *span, moments=moments, **given))
+        return _written({"query": source.path, "hits": found, "clip": _ref(source, ref)})
+
+    @router.get("/similar", responses=ok(documents.SimilarShape) | NO_CLIP)
+    async def similar(
+        request: Request, clip: ClipRef, span: Span, given: Filters, moments: bool = False, k: Count = 10
+    ) -> Response:
+        """The clips, or with `moments` the spans, that move like a clip or a span of it."""
+        make = lambda: alike(state.source(clip), clip, span, moments, k, given)  # noqa: E731
+        return encoded(await state.remembered(_asked(request), make))
+
+    @router.post("/similar", openapi_extra=_BODY, responses=ok(documents.SimilarShape) | UPLOAD)
+    async def similar_upload(
+        request: Request, name: FileName, span: Span, given: Filters, moments: bool = False, k: Count = 10
+    ) -> Response:
+        """The clips, or with `moments` the spans, that move like an uploaded motion."""
+        upload = await state.uploads.receive(request, name)
+        return encoded(await state.at_length(lambda: alike(upload.source, upload.key, span, moments, k, given)))
+
+    return router
+
+
+def _asked(request: Request) -> tuple[str, bytes]:
+    """What tells one question from another."""
+    return request.url.path, request.scope["query_string"]
+
+
+def _written(content: Any) -> bytes:
+    return json.dumps(content, allow_nan=False, separators=(",", ":")).encode()
+
+
+def _ref(source: Source, ref: str) -> int | str:
+    return source.clip_id if source.clip_id >= 0 else ref
+
+
+def _several(sentences: list[str]) -> Question:
+    """Sentences that are each asked for themselves."""
+    for sentence in sentences:
+        Question.of(sentence, split_steps=False)
+    return Question(tuple(dict.fromkeys(sentences)))
+
+
+def _moments(question: Question, hits: list[dict[str, Any]]) -> dict[str, Any]:
+    content: dict[str, Any] = {"query": str(question), "hits": hits}
+    if question.how != "alone":
+        content |= {"how": question.how, "sentences": list(question.sentences)}
+    return content
+
+
+def _curve(state: State, source: Source, question: Question) -> dict[str, Any]:
+    bundle = state.library.bundle
+    times, similarity = curves(bundle, source, question.encode(bundle))
+    named = zip(question.sentences, similarity.round(4).astype(float).round(4).tolist(), strict=True)
+    return {"times": times.round(3).tolist(), "similarity": dict(named)}

@@ -1,0 +1,84 @@
+"""Running: a port, the server on it, the address it is reached at."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable
+from contextlib import suppress
+
+import uvicorn
+from starlette.types import ASGIApp
+
+PORT = 8420
+
+#: Ports tried after the usual one.
+_MORE_PORTS = 20
+_GRACE = 3  # seconds for answers under way when the server is ended
+
+
+class PortTaken(OSError):
+    """Nothing can listen there."""
+
+
+def listen(host: str, port: int | None) -> socket.socket:
+    """A socket that listens on `port`, None for the usual one or the next that is free.
+
+    Raises
+    ------
+    PortTaken
+        If nothing can listen there; says why and what to do.
+    """
+    tried = range(PORT, PORT + _MORE_PORTS) if port is None else (port,)
+    for number in tried:
+        try:
+            return _bound(host, number)
+        except OSError as error:
+            problem = error
+    what = f"ports {tried[0]} to {tried[-1]}" if port is None else f"port {port}"
+    reason = (problem.strerror or str(problem)).lower()
+    raise PortTaken(f"cannot listen on {what} of {host} ({reason}); name a free one with --port")
+
+
+def _bound(host: str, port: int) -> socket.socket:
+    family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+    listening = socket.socket(family, kind, protocol)
+    try:
+        with suppress(AttributeError):
+            # Windows lets two servers share a port unless this is asked for; elsewhere, a restart need not wait.
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)  # type: ignore[attr-defined,unused-ignore]
+        if not hasattr(socket, "SO_EXCLUSIVEADDRUSE"):
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening.bind(address)
+        listening.listen(2048)
+    except OSError:
+        listening.close()
+        raise
+    return listening
+
+
+def address(listening: socket.socket, host: str) -> str:
+    """The URL a browser on this computer opens."""
+    name = "127.0.0.1" if host in ("0.0.0.0", "") else "[::1]" if host == "::" else f"[{host}]" if ":" in host else host
+    return f"http://{name}:{listening.getsockname()[1]}/"
+
+
+def serve(app: ASGIApp, listening: socket.socket, *, ready: Callable[[], None] = lambda: None) -> None:
+    """Serve until interrupted; `ready` is called once requests are answered."""
+
+    class Server(uvicorn.Server):
+        async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+            await super().startup(sockets)
+            ready()
+
+    config = uvicorn.Config(
+        app,
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,
+        timeout_keep_alive=30,
+        timeout_graceful_shutdown=_GRACE,
+        limit_concurrency=1000,
+        backlog=2048,
+    )
+    Server(config).run(sockets=[listening])

@@ -1,0 +1,194 @@
+"""A library that many ask at once: its indexes held ready, its answers remembered, its growth seen.
+
+Questions are answered from a snapshot. A thread replaces it when the library on disk has grown, so that no question
+ever waits for an index to be caught up.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.bundle import Bundle
+from encoders.errors import MotionSeekError
+from indexer.clips import Caption, Clip
+from indexer.gallery import CLIPS, WINDOWS
+from indexer.vectors import FlatVectors
+from search.engine import Ref, SearchableLibrary
+from search.hits import Hit
+from search.query import encode_queries
+from search.question import Question
+from search.server.cache import Cache
+from search.source import Source
+
+Ids = NDArray[np.int64]
+Vectors = NDArray[np.float32]
+
+#: Seconds between two looks at whether the library has grown.
+_LOOK_EVERY = 0.5
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The vectors of one generation and the number of clips."""
+
+    generation: int
+    clips: FlatVectors
+    windows: FlatVectors
+    count: int
+
+
+@dataclass(frozen=True)
+class Search:
+    """A question to the whole library; `filters` as pairs, so that it can be remembered."""
+
+    text: str
+    k: int
+    filters: tuple[tuple[str, Any], ...] = ()
+
+
+class ServedLibrary(SearchableLibrary):
+    """A `SearchableLibrary` for a server. Safe to share between threads."""
+
+    def __init__(self, folder: Path, *, bundle: Bundle | None = None) -> None:
+        super().__init__(folder, bundle=bundle)
+        self._trouble: MotionSeekError | None = None
+        self._ids: Cache[Ids] = Cache(64)
+        self._clips: Cache[Clip] = Cache(20_000)
+        self._captions: Cache[list[Caption]] = Cache(20_000)
+        self._described: Cache[tuple[list[str], Ids, Vectors]] = Cache(1)
+        self._snapshot = self._look()
+        self._stop = threading.Event()
+        self._watcher = threading.Thread(target=self._watch, daemon=True, name="watching the library")
+
+    def warm(self) -> None:
+        """Load the model and answer once, so that the first who asks need not wait for it."""
+        self.search_all([Search("a person walks", 1)])
+
+    def start(self) -> None:
+        """Begin to watch for growth."""
+        self._watcher.start()
+
+    def close(self) -> None:
+        """See `Library.close`."""
+        self._stop.set()
+        if self._watcher.is_alive():
+            self._watcher.join()
+        super().close()
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """What is answered from now.
+
+        Raises
+        ------
+        BundleMismatch
+            If the library was re-encoded with another model since it was opened.
+        """
+        if self._trouble is not None:
+            raise self._trouble
+        return self._snapshot
+
+    def refresh(self) -> bool:
+        """Catch up with the library on disk; whether there was anything new."""
+        if self.generation == self._snapshot.generation and self._trouble is None:
+            return False
+        try:
+            self._check(self.bundle)
+            self._snapshot = self._look()
+            self._trouble = None
+        except MotionSeekError as error:
+            self._trouble = error
+        return True
+
+    def _look(self) -> Snapshot:
+        clips, windows = (self._galleries.current(kind, self.connection) for kind in (CLIPS, WINDOWS))
+        return Snapshot(min(clips.generation, windows.generation), clips, windows, super().__len__())
+
+    def _watch(self) -> None:
+        while not self._stop.wait(_LOOK_EVERY):
+            try:
+                self.refresh()
+            except Exception as error:  # a look that fails is tried again; questions are answered meanwhile
+                self._trouble = error if isinstance(error, MotionSeekError) else self._trouble
+
+    def __len__(self) -> int:
+        return self.snapshot.count
+
+    def nearest_clips(
+        self, queries: Vectors, k: int, *, allowed: Ids | None = None
+    ) -> tuple[Vectors, NDArray[np.int64]]:
+        """See `Library.nearest_clips`."""
+        return self.snapshot.clips.search(queries, k, allowed=allowed)[:2]
+
+    def nearest_windows(
+        self, queries: Vectors, k: int, *, allowed: Ids | None = None
+    ) -> tuple[Vectors, NDArray[np.int64], Vectors, Vectors]:
+        """See `Library.nearest_windows`."""
+        return self.snapshot.windows.search(queries, k, allowed=allowed)
+
+    def ids(self, where: str = "", values: Sequence[Any] = ()) -> Ids:
+        """See `Library.ids`."""
+        key = (self.snapshot.generation, where, tuple(values))
+        return self._ids.get_or(key, lambda: super(ServedLibrary, self).ids(where, values))
+
+    def clips(self, ids: Iterable[int]) -> dict[int, Clip]:
+        """See `Library.clips`."""
+        generation = self.snapshot.generation
+        held = {int(i): self._clips.get((generation, int(i))) for i in ids}
+        new = super().clips([i for i, clip in held.items() if clip is None])
+        for i, clip in new.items():
+            self._clips.put((generation, i), clip)
+        found = {i: new.get(i) if clip is None else clip for i, clip in held.items()}
+        return {i: clip for i, clip in found.items() if clip is not None}
+
+    def captions(self, id: int) -> list[Caption]:
+        """See `Library.captions`."""
+        key = (self.snapshot.generation, int(id))
+        return self._captions.get_or(key, lambda: super(ServedLibrary, self).captions(id))
+
+    def caption_vectors(self) -> tuple[list[str], Ids, Vectors]:
+        """See `Library.caption_vectors`."""
+        return self._described.get_or(self.snapshot.generation, super().caption_vectors)
+
+    def source(self, ref: Ref | Source) -> Source:
+        """See `SearchableLibrary.source`; a source is itself."""
+        return ref if isinstance(ref, Source) else super().source(ref)
+
+    def search_all(self, questions: Sequence[Search]) -> list[list[Hit] | Exception]:
+        """Answer many questions, their sentences encoded together; an answer is what `search` gives or raises."""
+        answers: list[list[Hit] | Exception] = [self._askable(question) or [] for question in questions]
+        sound = [i for i, answer in enumerate(answers) if not isinstance(answer, Exception)]
+        vectors = encode_queries(self.bundle, [questions[i].text for i in sound]) if sound else ()
+        for i, vector in zip(sound, vectors, strict=True):
+            answers[i] = self._answered(questions[i], vector)
+        return answers
+
+    def _askable(self, question: Search) -> Exception | None:
+        try:
+            Question.of(question.text, split_steps=False)
+            self.snapshot  # noqa: B018  raises where the library cannot be asked
+        except MotionSeekError as error:
+            return error
+        return None
+
+    def _answered(self, question: Search, vector: Vectors) -> list[Hit] | Exception:
+        try:
+            return self._found(question, vector)
+        except KeyError:  # a clip has gone since the snapshot
+            self.refresh()
+        except Exception as error:
+            return error
+        try:
+            return self._found(question, vector)
+        except Exception as error:
+            return error
+
+    def _found(self, question: Search, vector: Vectors) -> list[Hit]:
+        return self._clip_hits(vector, question.k, self.allowed(**dict(question.filters)), asked="sentence")

@@ -1,0 +1,90 @@
+"""What the routes share: the library, what was uploaded, what was answered, and how much is done at once."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Hashable, Sequence
+from typing import TypeVar
+
+import anyio
+from anyio.to_thread import run_sync
+
+from indexer.clips import Clip
+from search.hits import Hit
+from search.server.batching import Batcher, Overloaded
+from search.server.cache import Cache
+from search.server.errors import Refused
+from search.server.metrics import Metrics
+from search.server.served import Search, ServedLibrary
+from search.server.uploads import Limits, Upload, Uploads
+from search.source import Source
+
+Value = TypeVar("Value")
+
+#: Threads that answer searches: one computes vectors while another asks the database.
+_SEARCHERS = 2
+#: Long questions answered at once, and waiting.
+_AT_ONCE, _WAITING = 2, 64
+_REMEMBERED = 4096
+
+
+class State:
+    """One server's state."""
+
+    def __init__(self, library: ServedLibrary, limits: Limits | None = None) -> None:
+        self.library = library
+        self.uploads = Uploads(limits)
+        self.metrics = Metrics()
+        self.searches: Batcher[Search, list[Hit]] = Batcher(library.search_all, workers=_SEARCHERS)
+        self.answers: Cache[bytes] = Cache(_REMEMBERED)
+        self._room = anyio.CapacityLimiter(_AT_ONCE)
+
+    def close(self) -> None:
+        """Let go of threads and files."""
+        self.searches.close()
+        self.library.close()
+
+    async def at_length(self, work: Callable[[], Value]) -> Value:
+        """The result of work that takes a while, done in a thread, only a few at once.
+
+        Raises
+        ------
+        Overloaded
+            If too many wait already.
+        """
+        if self._room.statistics().tasks_waiting >= _WAITING:
+            raise Overloaded
+        return await run_sync(work, limiter=self._room)
+
+    async def remembered(self, key: Sequence[Hashable], make: Callable[[], bytes]) -> bytes:
+        """An answer given before to the same question of the same state of the library, or made at length."""
+        full = (self.library.snapshot.generation, *key)
+        document = self.answers.get(full)
+        if document is None:
+            document = await self.at_length(make)
+            self.answers.put(full, document)
+        return document
+
+    def clip(self, ref: str) -> Clip | Upload:
+        """The clip or upload that is meant.
+
+        Raises
+        ------
+        Refused
+            404 if there is none.
+        """
+        found = self.uploads.get(ref) if ref.startswith("u") else self.library.clips([int(ref)]).get(int(ref))
+        if found is None:
+            said = "this upload is no longer here; drop the file again" if ref.startswith("u") else f"no clip #{ref}"
+            raise Refused(404, said)
+        return found
+
+    def source(self, ref: str) -> Source:
+        """The motion that is meant, with what is known of it; see `clip`."""
+        found = self.clip(ref)
+        if isinstance(found, Upload):
+            return found.source
+        source = Source.of_clip(self.library, found)
+        # A link that now leads out of the indexed folder is not followed.
+        inside = found.file.resolve().is_relative_to(found.root)
+        return source if inside else dataclasses.replace(source, file=None)
