@@ -12,7 +12,9 @@ import numpy as np
 
 from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS, PARENTS
 from indexer.calibration import FOOT, Calibration, foot_frames, trunk_frames
-from indexer.figure import SIDES, Array, Figure, angle_between, frames, unit
+from indexer.figure import Figure
+from indexer.geometry import Array, angle_between, frames, unit
+from indexer.mapping import SIDES
 
 #: Directions of the trunk's bones in an upright body facing +Z (rounded means over HumanML3D and KIT-ML).
 _UPRIGHT = {

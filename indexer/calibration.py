@@ -11,7 +11,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from indexer.figure import SIDES, Array, Figure, angle_between, frames, rotation_between, unit
+from indexer.figure import Figure
+from indexer.geometry import Array, angle_between, frames, rotation_between, unit
+from indexer.mapping import SIDES
 
 #: From neck to head, and from ankle to the ball of the foot, in a standing body facing +Z (means over KIT-ML).
 HEAD = np.array([0.0, 0.075, 0.0625])
@@ -74,7 +76,7 @@ def foot_frames(figure: Figure, side: str) -> Array:
 
 def calibrate(figure: Figure, rest: Figure) -> Calibration:
     """The constants of a rig from its rest pose (T = 1); where that shows no standing body, the neutral ones."""
-    standing = _standing_axes(rest)
+    standing = standing_axes(rest)
     if standing is None:
         _, high = trunk_frames(figure)
         return Calibration(shoulders=_shoulders(high.swapaxes(-1, -2) @ _from_neck(figure)))
@@ -109,7 +111,7 @@ def _shoulders(from_neck: Array) -> Array:
     return place
 
 
-def _standing_axes(rest: Figure) -> Array | None:
+def standing_axes(rest: Figure) -> Array | None:
     """Left, up and forward (3, 3) of a rest pose that stands along the file's axes; None if it does not stand."""
     trunk = (rest.marks["neck"] - rest.middle("hip"))[0]
     legs = (rest.middle("hip") - rest.middle("ankle"))[0]

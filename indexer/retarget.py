@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from encoders.errors import UnreadableMotion
 from encoders.motion import FPS, Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX
-from indexer.axes import upright
+from indexer.axes import orientation
 from indexer.body import build
 from indexer.calibration import calibrate
-from indexer.figure import SIDES, Figure, angle_between
-from indexer.mapping import map_rig
+from indexer.figure import Figure
+from indexer.geometry import angle_between
+from indexer.mapping import SIDES, map_rig
 from indexer.readers.take import Take
 
 #: Upper leg and shank of the target skeleton, metres.
@@ -65,7 +66,7 @@ def retarget(
     length = figure.leg_length()
     if not length > 0:
         raise UnreadableMotion(path, "the legs have no length")
-    figure = figure.transformed(upright(figure))
+    figure = figure.transformed(orientation(figure, rest))
     joints = build(figure, LEG_LENGTH / length, calibrate(figure, rest))
     joints[..., 1] -= joints[..., 1].min()
     return Motion(joints.astype(np.float32), FPS)
