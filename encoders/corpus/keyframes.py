@@ -10,7 +10,8 @@ positive towards the leading side, hands are (outward, upward, forward) of their
     lead_reach, off_reach, reaches                              wrist in the world, (to its own side, up, forward) m
     spine, pelvis, head     (forward, to the leading side, turned to the leading side)
     root                    hips moved (to the leading side, up, forward), in metres
-    lead_foot, off_foot, feet; lead_toes, off_toes (raised); lead_turn, off_turn (toes outward)
+    lead_foot, off_foot, feet; lead_toes, off_toes (raised); lead_turn, off_turn (toes outward);
+    lead_knee, off_knee     how far the knee is turned outward
     shrugs                  shoulders raised
     heading                 the whole body turned to the leading side
 """
@@ -25,6 +26,7 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike
 
 from encoders.corpus.curves import BODY, HANGING, LEFT, RIGHT, Array, Curves, standing
+from encoders.corpus.inbetween import accompany, clear_of_body, step_round, swung, through, with_arcs
 from encoders.motion import FPS
 
 REST = HANGING
@@ -35,7 +37,8 @@ _PAIRS = {
 _NEUTRAL: dict[str, tuple[float, ...]] = {
     "lead": REST, "off": REST, "lead_elbow": (0.0,), "off_elbow": (0.0,), "spine": (0.0,) * 3, "pelvis": (0.0,) * 3,
     "head": (0.0,) * 3, "root": (0.0,) * 3, "lead_foot": (0.0,) * 3, "off_foot": (0.0,) * 3, "lead_toes": (0.0,),
-    "off_toes": (0.0,), "lead_turn": (0.0,), "off_turn": (0.0,), "shrugs": (0.0,), "heading": (0.0,),
+    "off_toes": (0.0,), "lead_turn": (0.0,), "off_turn": (0.0,), "lead_knee": (0.0,), "off_knee": (0.0,),
+    "shrugs": (0.0,), "heading": (0.0,),
 }  # fmt: skip
 _TO_LEAD = np.array([1.0, -1.0, -1.0])  # the right side leads: towards it is -X, and to the left is positive in Curves
 
@@ -88,31 +91,6 @@ def _timed(
     return [
         (float(end - hold), float(end), k.channels) for k, end, hold in zip(keys, leave, holds, strict=True)
     ], float(leave[-1])
-
-
-def through(now: Array, times: Array, values: Array) -> Array:
-    """Monotone cubic through key values, (F, C): it rests where a channel turns round, and never overshoots.
-
-    Fritsch and Carlson's piecewise cubic with harmonic-mean slopes and no speed at either end.
-    """
-    if len(times) == 1:
-        return np.repeat(values, len(now), axis=0)
-    step = np.maximum(np.diff(times), 1e-6)[:, None]
-    secant = np.diff(values, axis=0) / step
-    slope = np.zeros_like(values)
-    before, after = secant[:-1], secant[1:]
-    agree = before * after > 0
-    heavy, light = 2 * step[1:] + step[:-1], step[1:] + 2 * step[:-1]
-    mean = (heavy + light) / np.where(agree, heavy / np.where(agree, before, 1) + light / np.where(agree, after, 1), 1)
-    slope[1:-1] = np.where(agree, mean, 0.0)
-    at = np.clip(np.searchsorted(times, now, side="right") - 1, 0, len(times) - 2)
-    width = step[at]
-    x = np.clip((now - times[at])[:, None] / width, 0.0, 1.0)
-    return np.asarray(
-        values[at] * (1 + 2 * x) * (1 - x) ** 2
-        + values[at + 1] * x * x * (3 - 2 * x)
-        + width * (slope[at] * x * (1 - x) ** 2 + slope[at + 1] * x * x * (x - 1))
-    )
 
 
 def _tracks(timed: Sequence[tuple[float, float, dict[str, ArrayLike]]]) -> dict[str, tuple[Array, Array]]:
@@ -202,7 +180,9 @@ def play(
         _write(curves, name, through(now, times, values))
     for hand, name in ((RIGHT, "lead"), (LEFT, "off")):
         _move_hand(curves, hand, name, tracks, now, timed, rng, precise)
-    _accompany(curves, rng)
+    if "heading" in tracks:
+        step_round(curves)
+    accompany(curves, rng)
     return curves.mirrored() if lead == "left" else curves
 
 
@@ -228,6 +208,8 @@ def _write(curves: Curves, name: str, value: Array) -> None:
         curves.foot_pitch[:, side] += value[:, 0]
     elif name.endswith("turn"):
         curves.foot_yaw[:, side] += value[:, 0] * outward[0]
+    elif name.endswith("knee"):
+        curves.knee[:, side] += value[:, 0] * outward[0]
     elif name.endswith("elbow"):
         curves.elbow[:, side] += value[:, 0]
     else:
@@ -254,9 +236,9 @@ def _move_hand(
     values = told + stray * busy
     length, meant = np.linalg.norm(values, axis=1, keepdims=True), np.linalg.norm(told, axis=1, keepdims=True)
     values = np.where(meant > 0.88, values * np.minimum(meant / length, 1.0 / length), values)
-    times, rows = _with_arcs(times, np.concatenate([values, 0.8 - 0.65 * busy], axis=1), rng)
+    times, rows = with_arcs(times, np.concatenate([values, 0.8 - 0.65 * busy], axis=1), rng)
     late = now - rng.normal(0.0, 0.02)
-    curves.hands[:, hand] = clear_of_body(_swung(late, times, rows[:, :3], rng.uniform(0.5, 1.0)))
+    curves.hands[:, hand] = clear_of_body(swung(late, times, rows[:, :3], rng.uniform(0.5, 1.0)))
     curves.hang[:, hand] = through(late, times, rows[:, 3:])[:, 0]
     curves.elbow[:, hand] += rng.normal(0.0, 0.2) * (0.8 - curves.hang[:, hand]) / 0.65
     if f"{name}_reach" in tracks:
@@ -269,46 +251,3 @@ def _move_hand(
         outward = np.array([-1.0 if hand == RIGHT else 1.0, 1.0, 1.0])
         curves.reach[:, hand] = through(now, spots, places + rng.normal(0.0, 0.015, 3)) * outward
         curves.reach_weight[:, hand] = through(now, table[:, 0], table[:, 1:])[:, 0]
-
-
-def _with_arcs(times: Array, values: Array, rng: Generator) -> tuple[Array, Array]:
-    """Give long swings of an arm (over 100 degrees) a middle pose, out to the side or in front; values (K, 4)."""
-    radius = np.linalg.norm(values[:, :3], axis=1, keepdims=True)
-    aim = values[:, :3] / np.maximum(radius, 1e-6)
-    long = np.flatnonzero((aim[:-1] * aim[1:]).sum(1) < -0.17)
-    if not len(long):
-        return times, values
-    share = rng.uniform(0.0, 1.0)
-    middle = aim[long] + aim[long + 1] + np.array([1.3 * share, 0.0, 1.3 * (1.0 - share)])
-    middle *= (radius[long] + radius[long + 1]) / 2 / np.linalg.norm(middle, axis=1, keepdims=True)
-    rows = np.concatenate([middle, (values[long, 3:] + values[long + 1, 3:]) / 2], axis=1)
-    at = (times[long] + times[long + 1]) / 2
-    return np.insert(times, long + 1, at), np.insert(values, long + 1, rows, axis=0)
-
-
-def _swung(now: Array, times: Array, values: Array, share: float) -> Array:
-    """Wrists (F, 3) through key places: by `share` on arcs about the shoulder, else on straight lines."""
-    straight = through(now, times, values)
-    radius = through(now, times, np.linalg.norm(values, axis=1, keepdims=True))
-    length = np.maximum(np.linalg.norm(straight, axis=1, keepdims=True), 0.1)
-    return np.asarray(straight * (1.0 + share * (radius / length - 1.0)))
-
-
-def clear_of_body(hands: Array) -> Array:
-    """Wrists (F, 3) pushed out of the trunk, taken as an elliptic cylinder below the shoulders."""
-    out = hands.copy()
-    sideways, ahead = hands[:, 0] + 0.34, hands[:, 2]
-    depth = np.sqrt((sideways / 0.36) ** 2 + (ahead / 0.27) ** 2)
-    inside = np.clip((0.2 - hands[:, 1]) / 0.15, 0.0, 1.0) * (hands[:, 1] > -1.05)
-    grow = 1.0 + inside * (np.maximum(1.0 / np.maximum(depth, 0.05), 1.0) - 1.0)
-    out[:, 0], out[:, 2] = sideways * grow - 0.34, ahead * grow
-    return np.asarray(out)
-
-
-def _accompany(curves: Curves, rng: Generator) -> None:
-    """The trunk goes along with the arms: it turns behind a hand held out and leans away from a raised one."""
-    ahead = curves.hands[:, RIGHT, 2] - curves.hands[:, LEFT, 2]
-    above = curves.hands[:, RIGHT, 1] - curves.hands[:, LEFT, 1]
-    curves.spine[:, 2] += rng.uniform(0.0, 0.22) * ahead
-    curves.spine[:, 1] += rng.uniform(0.0, 0.08) * above
-    curves.head[:, 2] -= rng.uniform(0.0, 0.2) * ahead

@@ -285,7 +285,7 @@ def swim_crawl(c: Cue) -> list[Key]:
     """The arms wheel in turn; backward is the backstroke."""
     lap, way = c.r(1.1, 1.9), -1 if c.step.direction == "backward" else 1
     lean = c.r(0.0, 0.6) * way if way > 0 else 0.0
-    centre, high, far = np.array([0.05, 0.0, 0.1]), np.array([0.1, 0.85, 0.0]), np.array([0.0, 0.0, 0.8 * way])
+    centre, high, far = np.array([0.2, 0.0, 0.05]), np.array([0.0, 0.85, 0.0]), np.array([-0.3, 0.0, 0.75]) * way
     keys = [key(0.6, lead=centre + high, off=centre - high, spine=(lean, 0, 0), head=(-0.5 * lean, 0, 0))]
     angle = np.arange(1, 8 * c.times(3, 6, lap) + 1) * np.pi / 4
     for a in angle:
