@@ -97,16 +97,22 @@ def travel(
     stride = manner.factor("stride") * {"small": 0.65, "": 1.0, "large": 1.3}[step.amplitude]
     still = step.direction == "in place"
     sideways = {"left": 0.8, "right": 0.8}.get(step.direction, 0.7 if step.direction.startswith("back") else 1.0)
+    fastest = 1.9 if gait.duty > 0.5 else 7.0
     speed = gait.speed * pace * manner.factor("pace") * stride * sideways
+    speed = min(speed, fastest)
     going = effort(frames, rng, rest=0.4 if gait.duty < 0.5 else 0.6) if going is None else going
     way = np.cumsum(speed * going) / FPS
     facing, angle = bearing("" if still else step.direction, np.zeros_like(way) if still else way, rng)
     pace_of_feet = gait.cadence * np.sqrt(pace) * manner.factor("pace")
+    # A leg reaches only so far: who steps out further at this cadence stands shorter.
+    reach = 0.66 if gait.duty < 0.5 else 0.95
+    duty = min(gait.duty, max(reach * pace_of_feet / 2 / max(speed, 0.1), 0.52 if gait.duty > 0.5 else 0.2))
     phase = gait_phase(pace_of_feet * (0.75 + 0.25 * going), rng.random(), manner)
     course = Course(_integrate(0.0 * way if still else way, facing + angle), facing - facing[PAD], going, phase)
     changed = replace(
         gait,
         speed=speed,
+        duty=duty,
         arms=gait.arms * float(np.clip(stride * pace, 0.4, 1.4)),
         push=gait.push * (0.3 if still else max(float(np.cos(angle)), 0.15)),
         width=gait.width + 0.03 * abs(float(np.sin(angle))),

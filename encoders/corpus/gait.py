@@ -149,7 +149,8 @@ def _foot(course: Course, gait: Gait, manner: Manner, side: int) -> tuple[Array,
     raised = np.maximum(gait.lift + manner.lift, 0.015) * effort + course.lift
     raised = raised * np.sin(np.pi * swing**0.75) ** 1.3  # the heel is highest early in the swing
     # Push-off: the heel rises about the ball of the foot, then the toes come up for landing.
-    off = ease((share - 0.62 * gait.duty) / (0.38 * gait.duty)) * (1 - ease(swing / 0.6))
+    flat = 0.62 if gait.duty > 0.5 else 0.4
+    off = ease((share - flat * gait.duty) / ((1 - flat) * gait.duty)) * (1 - ease(swing / 0.6))
     land = ease((swing - 0.5) / 0.5) + np.where(share < gait.duty, 1 - ease(share / (0.2 * gait.duty)), 0.0)
     heel = np.maximum(gait.push * off * effort, gait.tiptoe)
     down, ahead = _BALL

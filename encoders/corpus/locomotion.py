@@ -31,11 +31,11 @@ EVERYWHERE = (*STRAIGHT, *CURVED, "in place")
 
 for _name, _gait, _speed, _cadence, _directions, _weight in (
     ("walk", Gait(), (1.0, 1.45), (1.7, 2.05), EVERYWHERE, 5.0),
-    ("jog", Gait(duty=0.37, lift=0.14, bob=0.035, push=0.9, lean=0.12, arms=0.4, elbow=1.5, twist=0.17, yaw=-0.1, behind=0.04, width=0.05, crouch=0.0),
+    ("jog", Gait(duty=0.37, lift=0.14, bob=0.035, push=0.9, lean=0.12, arms=0.4, elbow=1.5, twist=0.17, yaw=-0.1, behind=0.06, width=0.05, crouch=0.0),
      (1.6, 2.6), (2.3, 2.8), (*AHEAD, *CURVED, "in place", "backward"), 3.0),
-    ("run", Gait(duty=0.32, lift=0.2, bob=0.045, push=1.0, lean=0.18, arms=0.5, elbow=1.6, twist=0.2, yaw=-0.2, behind=0.05, width=0.05, crouch=0.01),
+    ("run", Gait(duty=0.32, lift=0.2, bob=0.045, push=1.0, lean=0.18, arms=0.5, elbow=1.6, twist=0.2, yaw=-0.2, behind=0.08, width=0.05, crouch=0.01),
      (2.1, 3.7), (2.4, 3.0), (*AHEAD, *CURVED, "in place", "backward"), 4.0),
-    ("sprint", Gait(duty=0.27, lift=0.32, bob=0.03, push=1.1, lean=0.3, arms=0.85, elbow=1.6, twist=0.26, yaw=-0.2, behind=0.06, width=0.04, crouch=0.03),
+    ("sprint", Gait(duty=0.27, lift=0.32, bob=0.03, push=1.1, lean=0.3, arms=0.85, elbow=1.6, twist=0.26, yaw=-0.2, behind=0.09, width=0.04, crouch=0.03),
      (4.0, 6.5), (3.0, 3.9), ("forward", "left", "right", "back and forth"), 3.0),
     ("tiptoe", Gait(duty=0.62, lift=0.06, bob=0.01, push=0.6, tiptoe=0.6, arms=0.15, elbow=0.5, width=0.05),
      (0.4, 0.8), (1.5, 2.0), (*AHEAD, "backward", "around"), 1.0),
@@ -43,7 +43,7 @@ for _name, _gait, _speed, _cadence, _directions, _weight in (
      (0.7, 1.2), (1.6, 2.0), (*AHEAD, "in place", "around", "backward"), 1.0),
     ("stomp", Gait(duty=0.6, lift=0.26, bob=0.04, push=0.2, lean=0.1, arms=0.35, elbow=0.7, width=0.12, crouch=0.04),
      (0.5, 1.0), (1.4, 1.8), ("forward", "in place", "around"), 1.0),
-    ("shuffle", Gait(duty=0.72, lift=0.015, bob=0.006, push=0.15, lean=0.1, arms=0.12, elbow=0.4, crouch=0.03),
+    ("shuffle", Gait(duty=0.72, lift=0.025, bob=0.006, push=0.15, lean=0.1, arms=0.12, elbow=0.4, crouch=0.03),
      (0.3, 0.65), (1.5, 2.1), EVERYWHERE[:-1], 1.0),
     ("sneak", Gait(duty=0.68, lift=0.16, bob=0.015, push=0.7, lean=0.5, arms=0.2, elbow=1.4, width=0.09, crouch=0.17),
      (0.4, 0.8), (1.0, 1.4), (*AHEAD, "around", "zigzag"), 1.5),

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from encoders.corpus import keyframes
-from encoders.corpus.curves import BODY, Array, Curves, standing
+from encoders.corpus.curves import ANKLE, BODY, Array, Curves, ease, standing
+from encoders.motion import FPS
 
 _FIELDS = ("root", "pelvis", "spine", "head")
 _BOTH = {"hands": 1.0, "feet": -1.0, "reach": -1.0}
@@ -57,8 +58,12 @@ def through(frames: int, poses: Sequence[tuple[float, Array]]) -> Array:
 
 
 def perform(frames: int, poses: Sequence[tuple[float, Array]], parts: frozenset[str] = BODY) -> Curves:
-    """Curves that go through key poses."""
-    return Curves(through(frames, poses), [(0, frames)], parts)
+    """Curves that go through key poses; feet that change place near the ground are lifted on the way."""
+    curves = Curves(through(frames, poses), [(0, frames)], parts)
+    speed = np.sqrt((np.gradient(curves.feet[..., [0, 2]], axis=0) ** 2).sum(-1)) * FPS
+    low = np.clip(2.0 - curves.feet[..., 1] / ANKLE, 0.0, 1.0)
+    curves.feet[..., 1] += 0.07 * low * ease(speed / 0.6)
+    return curves
 
 
 STANDING = pose()
