@@ -1,0 +1,75 @@
+"""Fit what a bundle needs to judge its own hits: background motions, and two logistic curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.bundle import Bundle
+from encoders.corpus.facts import facts, stated_by
+from encoders.corpus.made import Made
+from search import strength
+from search.query import encode_queries
+
+_HITS = 10
+
+
+def calibrate(
+    bundle: Bundle, background: Sequence[Made], asked: Sequence[Made], unrelated: Sequence[str]
+) -> dict[str, NDArray[np.generic]]:
+    """The arrays of `calibration.npz`.
+
+    Parameters
+    ----------
+    background : made clips whose vectors stand for "any motion"
+    asked : other made clips: their sentences are asked, their motions searched
+    unrelated : sentences that no motion fits
+
+    Returns
+    -------
+    dict
+        "motions" float16 (M, D); "sentence_coefficients" and "motion_coefficients" float64 (3,).
+    """
+    motions = bundle.encode_features([clip.features[: bundle.max_frames] for clip in background]).astype(np.float16)
+    gallery = bundle.encode_features([clip.features[: bundle.max_frames] for clip in asked])
+    words: dict[str, int] = {}
+    stated = [[words.setdefault(f, len(words)) for f in clip.meanings[0]] for clip in asked]
+    holds = [[words.setdefault(f, len(words)) for f in facts(clip.scene)] for clip in asked]
+    right = stated_by(stated, holds, len(words))
+    np.fill_diagonal(right, True)
+    sentences = encode_queries(bundle, [clip.captions[0] for clip in asked])
+    nothing = encode_queries(bundle, unrelated)
+    evidence, truth = _top_hits(
+        np.concatenate([sentences, nothing]),
+        gallery,
+        np.concatenate([right, np.zeros((len(nothing), len(gallery)), bool)]),
+        motions,
+    )
+    actions = [frozenset(step.action for group in clip.scene.steps for step in group) for clip in asked]
+    alike = np.array([[a == b for b in actions] for a in actions])
+    near, same = _top_hits(gallery, gallery, alike, motions, skip_self=True)
+    return {
+        "motions": motions,
+        "sentence_coefficients": strength.fit(evidence, truth),
+        "motion_coefficients": strength.fit(near, same),
+    }
+
+
+def _top_hits(
+    queries: NDArray[np.float32],
+    gallery: NDArray[np.float32],
+    right: NDArray[np.bool_],
+    background: NDArray[np.float16],
+    *,
+    skip_self: bool = False,
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Evidence (Q * hits, 2) and rightness of every query's first hits."""
+    similarity = queries @ gallery.T
+    if skip_self:
+        np.fill_diagonal(similarity, -np.inf)
+    best = np.argsort(-similarity, axis=1)[:, :_HITS]
+    scores = np.take_along_axis(similarity, best, axis=1)
+    evidence = [strength.evidence(q, s, background) for q, s in zip(queries, scores, strict=True)]
+    return np.concatenate(evidence), np.take_along_axis(right, best, axis=1).ravel()
