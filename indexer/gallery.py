@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from indexer import vectors
+from indexer.vector_files import load, save
 from indexer.vectors import FlatVectors, Rows
 from indexer.windows import ends_of
 
@@ -58,7 +58,7 @@ class Galleries:
         generation, model, model_id, size = _state(connection)
         known, index = self._held.get(kind.name, ("", None))
         if index is None or known != model or index.generation > generation:
-            index = vectors.load(self._folder, kind.name, model, size)
+            index = load(self._folder, kind.name, model, size)
         if index is None or index.generation > generation:
             rows = _rows(connection, kind, model_id, -1, size)
             index = self._saved(kind, model, FlatVectors.of(generation, rows))
@@ -75,7 +75,7 @@ class Galleries:
         """Keep the index on disk where that is possible; it is derived, so where it is not nothing is lost."""
         if len(index) and os.access(self._folder.parent, os.W_OK):
             try:
-                return vectors.save(index, self._folder, kind.name, model)
+                return save(index, self._folder, kind.name, model)
             except OSError:
                 pass
         return index

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
     from encoders.bundle import Bundle
 
+CaptionVectors = tuple[list[str], NDArray[np.int64], NDArray[np.float32]]
+
 #: The folder inside an indexed folder, and the file in it that is the truth.
 FOLDER = ".motionseek"
 FILE = "library.sqlite"
@@ -42,6 +44,7 @@ class Library:
         self._local = threading.local()
         self._closed = False
         self._connections: list[sqlite3.Connection] = []
+        self._captions: tuple[int, CaptionVectors] | None = None
         self._galleries = Galleries(folder / "vectors")
         if bundle is not None:
             self._check(bundle)
@@ -244,8 +247,14 @@ class Library:
         )
         return list(dict.fromkeys(Caption(*row) for row in rows))
 
-    def caption_vectors(self) -> tuple[list[str], NDArray[np.int64], NDArray[np.float32]]:
-        """Every caption of every clip: texts, clip ids (N,), unit vectors (N, D)."""
+    def caption_vectors(self) -> CaptionVectors:
+        """Every caption of every clip: texts, clip ids (N,), unit vectors (N, D); not to be changed."""
+        generation = self.generation
+        if self._captions is None or self._captions[0] != generation:
+            self._captions = generation, self._read_caption_vectors()
+        return self._captions[1]
+
+    def _read_caption_vectors(self) -> CaptionVectors:
         rows = self.connection.execute(
             "SELECT DISTINCT texts.text, captions.clip_id, text_embeddings.vector "
             "FROM captions JOIN clips ON clips.id = captions.clip_id "

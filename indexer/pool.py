@@ -18,8 +18,10 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
+from encoders.errors import MotionSeekError
 from encoders.motion import Motion
 from encoders.skeleton import JOINTS
+from indexer.worker import READY
 
 READ = "indexer.worker:read"
 
@@ -72,6 +74,11 @@ def read_all(
         Seconds a small file may take before its process is ended.
     target : str
         "module:function" that reads; see `indexer.worker.serve`.
+
+    Raises
+    ------
+    MotionSeekError
+        If processes cannot be started: then it is not the files' fault.
     """
     workers: list[_Worker] = []
     local = threading.local()
@@ -113,7 +120,7 @@ class _Worker:
     def read(self, request: Request[Any], patience: float) -> Read:
         if self._ended:
             return Read(None, reason="interrupted")
-        process = self._process = self._process or self._start()
+        process = self._process or self._start()
         late = threading.Event()
 
         def give_up() -> None:
@@ -134,16 +141,24 @@ class _Worker:
 
     def _start(self) -> subprocess.Popen[bytes]:
         # Isolated, then given this process's own import path: nothing in the working directory is imported.
-        arguments = json.dumps(
-            [[entry for entry in sys.path if entry] + [str(Path(__file__).parents[1])], self._target]
-        )
-        return subprocess.Popen(
-            [sys.executable, "-I", "-c", _START, arguments],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
-        )
+        path = [entry for entry in sys.path if entry] + [str(Path(__file__).parents[1])]
+        try:
+            process = self._process = subprocess.Popen(
+                [sys.executable, "-I", "-c", _START, json.dumps([path, self._target])],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+            )
+        except OSError as error:
+            raise MotionSeekError(f"{sys.executable}: a process to read files cannot be started ({error})") from error
+        assert process.stdout is not None
+        if process.stdout.readline() != READY and not self._ended:
+            raise MotionSeekError(
+                f"a process to read files ends as it starts (exit code {_wait(process)}); "
+                f"'{sys.executable} -m indexer.worker' shows why"
+            )
+        return process
 
     def end(self) -> None:
         """End the process, whatever it is doing."""

@@ -6,7 +6,8 @@ import os
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from hashlib import blake2b
-from pathlib import Path, PurePosixPath
+from pathlib import Path
+from posixpath import basename, splitext
 
 #: Formats of motion that people keep beside what can be read: listed as failed, not passed over in silence.
 MOTION_LIKE = frozenset(
@@ -40,12 +41,13 @@ class File:
 
     @property
     def ending(self) -> str:
-        return PurePosixPath(self.path).suffix.lower()
+        """In small letters, with the dot."""
+        return splitext(self.path)[1].lower()
 
     @property
     def stem(self) -> str:
         """The path without its ending: what a side file of the same name shares."""
-        return str(PurePosixPath(self.path).with_suffix(""))
+        return splitext(self.path)[0]
 
     def hash(self, root: Path) -> str:
         """The content, as hex digits.
@@ -74,8 +76,11 @@ class Folder:
 
     def motions(self, readable: Collection[str]) -> list[File]:
         """The files that are motions by their ending, each with the skeletons it may need."""
+        by_ending: dict[str, list[File]] = {}
+        for file in self.files:
+            by_ending.setdefault(file.ending, []).append(file)
         return [
-            _with(file, [other for other in self.files if other.ending == SKELETONS.get(file.ending)])
+            _with(file, by_ending.get(SKELETONS.get(file.ending, ""), []))
             for file in self.files
             if (file.ending in readable or file.ending in MOTION_LIKE) and file.ending not in SKELETONS.values()
         ]
@@ -89,7 +94,7 @@ class Folder:
         return [
             (file, about.get(file.path, []))
             for file in self.files
-            if PurePosixPath(file.path).name.lower() in TABLES or about.get(file.path)
+            if basename(file.path).lower() in TABLES or about.get(file.path)
         ]
 
 
@@ -124,7 +129,7 @@ def walk(root: Path, warn: Callable[[str], None]) -> Iterator[Folder]:
             if not _is_utf8(path):
                 warn(f"{os.fsencode(root / path).decode(errors='replace')}: the name is not UTF-8; rename it")
             elif entry.is_symlink():
-                if entry.is_dir() or PurePosixPath(path).suffix.lower() in (".bvh", ".amc", ".npy", *MOTION_LIKE):
+                if entry.is_dir() or splitext(path)[1].lower() in (".bvh", ".amc", ".npy", *MOTION_LIKE):
                     warn(f"{root / path}: symbolic links are not followed; index what it points to by its own path")
             elif entry.is_dir(follow_symlinks=False):
                 inner.append(path)

@@ -1,18 +1,13 @@
-"""The vector index: exact search over unit vectors in half precision, and its file.
+"""The vector index: exact search over unit vectors in half precision.
 
 An index is immutable: `update` gives a new one and the old one goes on answering, so a search in one thread
-never meets a change made by another. Files are derived from the library and may vanish at any time.
+never meets a change made by another.
 """
 
 from __future__ import annotations
 
-import json
 import os
-import shutil
-import tempfile
 from dataclasses import dataclass
-from hashlib import blake2b
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
@@ -23,7 +18,6 @@ if TYPE_CHECKING:
 
 Found = tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]
 
-_FORMAT = 1
 #: Share of rows that came or went since the main block was made, from which on a new one is made.
 _LOOSE = 0.05
 
@@ -87,14 +81,14 @@ class Vectors(Protocol):
         """
 
 
-class _Block:
+class Block:
     """Rows and the FAISS index over them; the vectors lie in the FAISS index alone."""
 
     def __init__(self, owners: NDArray[np.int64], spans: NDArray[np.float32], index: Any) -> None:
         self.owners, self.spans, self.index = owners, spans, index
 
     @classmethod
-    def of(cls, rows: Rows) -> _Block:
+    def of(cls, rows: Rows) -> Block:
         import faiss
 
         size = rows.vectors.shape[1]
@@ -135,47 +129,47 @@ class FlatVectors:
     def __init__(
         self,
         generation: int,
-        main: _Block,
-        later: _Block | None = None,
+        main: Block,
+        later: Block | None = None,
         gone: NDArray[np.int64] | None = None,
     ) -> None:
         self.generation = generation
-        self._main, self._later = main, later
+        self.main, self._later = main, later
         self._gone = np.empty(0, np.int64) if gone is None else gone
         self._kept = ~np.isin(main.owners, self._gone) if len(self._gone) else None
 
     @classmethod
     def of(cls, generation: int, rows: Rows) -> FlatVectors:
         """An index over `rows`."""
-        return cls(generation, _Block.of(rows))
+        return cls(generation, Block.of(rows))
 
     @property
     def size(self) -> int:
         """Numbers a vector."""
-        return int(self._main.index.d)
+        return int(self.main.index.d)
 
     def shares_block(self, other: FlatVectors) -> bool:
         """Whether both have the same main block, so that they differ by little."""
-        return self._main is other._main
+        return self.main is other.main
 
     @property
     def rows(self) -> Rows:
         """Every row that can be found."""
-        main = self._main.rows if self._kept is None else self._main.rows[self._kept]
+        main = self.main.rows if self._kept is None else self.main.rows[self._kept]
         return main if self._later is None else Rows.join([main, self._later.rows])
 
     def __len__(self) -> int:
-        main = len(self._main.owners) if self._kept is None else int(self._kept.sum())
+        main = len(self.main.owners) if self._kept is None else int(self._kept.sum())
         return main + (0 if self._later is None else len(self._later.owners))
 
     def update(self, generation: int, *, remove: NDArray[np.int64], add: Rows) -> FlatVectors:
         """See `Vectors.update`; costs as much as what changed since the main block was made."""
-        gone = np.union1d(self._gone, remove[np.isin(remove, self._main.owners)])
+        gone = np.union1d(self._gone, remove[np.isin(remove, self.main.owners)])
         later = Rows.none(self.size) if self._later is None else self._later.rows
         later = Rows.join([later[~np.isin(later.owners, remove)], add])
-        changed = FlatVectors(generation, self._main, _Block.of(later) if len(later) else None, gone)
+        changed = FlatVectors(generation, self.main, Block.of(later) if len(later) else None, gone)
         lost = 0 if changed._kept is None else len(changed._kept) - int(changed._kept.sum())
-        return changed if len(later) + lost <= _LOOSE * len(self._main.owners) else changed.compacted()
+        return changed if len(later) + lost <= _LOOSE * len(self.main.owners) else changed.compacted()
 
     def compacted(self) -> FlatVectors:
         """The same with all rows in the main block."""
@@ -186,7 +180,7 @@ class FlatVectors:
         """See `Vectors.search`."""
         queries = np.ascontiguousarray(queries, np.float32)
         found = []
-        for block, kept in ((self._main, self._kept), (self._later, None)):
+        for block, kept in ((self.main, self._kept), (self._later, None)):
             if block is not None and len(block.owners):
                 mask = kept
                 if allowed is not None:
@@ -210,92 +204,3 @@ def _merge(found: list[Found], k: int) -> Found:
     scores, owners, starts, ends = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
     best = np.argsort(-scores, axis=1, kind="stable")[:, :k]
     return tuple(np.take_along_axis(part, best, axis=1) for part in (scores, owners, starts, ends))  # type: ignore[return-value]
-
-
-def save(vectors: FlatVectors, folder: Path, name: str, model: str) -> FlatVectors:
-    """Write the index as `<folder>/<name>.<generation>.<random>/`: whole or not at all. Older ones go.
-
-    Raises OSError where the folder cannot be written.
-    """
-    import faiss
-
-    vectors = vectors.compacted()
-    folder.mkdir(exist_ok=True)
-    fresh = Path(tempfile.mkdtemp(prefix=f".{name}.", dir=folder))
-    try:
-        block = vectors._main
-        faiss.write_index(block.index, str(fresh / "index.faiss"))
-        np.save(fresh / "owners.npy", block.owners)
-        np.save(fresh / "spans.npy", block.spans)
-        manifest = {
-            "format": _FORMAT,
-            "generation": vectors.generation,
-            "model": model,
-            "digest": {part: _digest(fresh / part) for part in ("index.faiss", "owners.npy", "spans.npy")},
-        }
-        (fresh / "manifest.json").write_text(json.dumps(manifest))
-        for path in (*fresh.iterdir(), fresh):
-            _sync(path)
-        os.chmod(fresh, 0o755)
-        fresh.rename(folder / f"{name}.{vectors.generation}.{fresh.name.rsplit('.', 1)[1]}")
-        _sync(folder)
-    except BaseException:
-        shutil.rmtree(fresh, ignore_errors=True)
-        raise
-    for old in _files(folder, name)[1:]:
-        shutil.rmtree(old, ignore_errors=True)
-    return vectors
-
-
-def load(folder: Path, name: str, model: str, size: int) -> FlatVectors | None:
-    """The newest sound index of this model on disk, its vectors mapped and not read; None where there is none."""
-    for path in _files(folder, name):
-        try:
-            return _load(path, model, size)
-        except (OSError, ValueError, KeyError, RuntimeError):
-            continue  # damaged, half deleted or of another model: the library has all it held
-    return None
-
-
-def _load(path: Path, model: str, size: int) -> FlatVectors:
-    import faiss
-
-    manifest = json.loads((path / "manifest.json").read_text())
-    if manifest["format"] != _FORMAT or manifest["model"] != model:
-        raise ValueError("of another model or version")
-    for part, digest in manifest["digest"].items():
-        if part not in ("index.faiss", "owners.npy", "spans.npy") or _digest(path / part) != digest:
-            raise ValueError(f"{part} is damaged")
-    index = faiss.read_index(str(path / "index.faiss"), faiss.IO_FLAG_MMAP_IFC)
-    owners = np.load(path / "owners.npy", mmap_mode="r", allow_pickle=False)
-    spans = np.load(path / "spans.npy", mmap_mode="r", allow_pickle=False)
-    if index.d != size or len(owners) != index.ntotal or spans.shape != (index.ntotal, 2):
-        raise ValueError("parts do not fit together")
-    return FlatVectors(int(manifest["generation"]), _Block(owners, spans, index))
-
-
-def _files(folder: Path, name: str) -> list[Path]:
-    """Index folders of that name, newest generation first."""
-    found = [(path.name.split("."), path) for path in folder.glob(f"{name}.*.*")]
-    return [
-        path
-        for parts, path in sorted(found, key=lambda item: (-int(item[0][1]) if item[0][1].isdigit() else 1, item[1]))
-        if parts[1].isdigit()
-    ]
-
-
-def _digest(path: Path) -> str:
-    """A checksum at memory speed: sums of 4 KiB blocks, hashed with the size."""
-    data = np.memmap(path, np.uint8, "r")
-    whole = len(data) // 4096 * 4096
-    sums = data[:whole].view(np.uint64).reshape(-1, 512).sum(axis=1, dtype=np.uint64)
-    return blake2b(sums.tobytes() + data[whole:].tobytes() + str(len(data)).encode(), digest_size=16).hexdigest()
-
-
-def _sync(path: Path) -> None:
-    """Ask for the file or folder to be on the disk."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

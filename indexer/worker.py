@@ -1,7 +1,8 @@
 """The reading process: one request a line on stdin, one answer on stdout, until stdin ends.
 
-A request is a JSON object with `path`, `fps` and `joint_map`; an answer a JSON line, followed by the joints as
-float32 bytes where it names `frames`. Files come from anywhere: what crashes or hangs here costs one process.
+It begins with READY. A request is a JSON object with `path`, `fps` and `joint_map`; an answer a JSON line, followed
+by the joints as float32 bytes where it names `frames`. Files come from anywhere: what crashes or hangs here costs
+one process.
 """
 
 from __future__ import annotations
@@ -16,6 +17,10 @@ from typing import Any
 
 from encoders.errors import UnreadableMotion
 from encoders.motion import Motion
+from indexer.readers import read_take
+from indexer.retarget import retarget
+
+READY = b"ready\n"
 
 
 def read(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tuple[Motion, str]:
@@ -26,22 +31,21 @@ def read(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tupl
     UnreadableMotion
         See `indexer.load_motion`.
     """
-    from indexer.readers import read_take
-    from indexer.retarget import retarget
-
     take = read_take(path, fps=fps)
     digest = blake2b("\0".join(take.names).encode("utf-8", "replace"), digest_size=2).hexdigest()
     rig = f"{take.names[0]}-{len(take.names)}-{digest}" if take.names else ""
     return retarget(take, path=path, joint_map=joint_map), rig
 
 
-def serve(target: str) -> None:
+def serve(target: str = "indexer.worker:read") -> None:
     """Answer requests with a function named as "module:function", of the signature of `read`."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's; it ends this process by closing stdin
     module, name = target.split(":")
     function = getattr(import_module(module), name)
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what a reader prints must not mix with the answers
+    answers.write(READY)
+    answers.flush()
     for line in sys.stdin.buffer:
         header, data = _answer(function, json.loads(line))
         answers.write(json.dumps(header).encode() + b"\n" + data)
@@ -58,3 +62,7 @@ def _answer(function: Any, request: dict[str, Any]) -> tuple[dict[str, Any], byt
     except Exception as error:
         return {"reason": f"reading failed unexpectedly ({type(error).__name__}: {error})"}, b""
     return {"frames": len(motion), "fps": motion.fps, "rig": rig}, motion.joints.tobytes()
+
+
+if __name__ == "__main__":
+    serve()

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.errors import UnreadableMotion
+from encoders.errors import MotionSeekError, UnreadableMotion
 from encoders.motion import Motion
 from indexer.pool import Request, read_all
 from tests.indexer.folders import moving, write
@@ -111,3 +111,11 @@ def test_nothing_in_the_working_directory_is_imported(tmp_path, monkeypatch):
     assert found.reason == ""
     assert len(found.motion) == len(moving(1))
     assert found.rig.startswith("pelvis-22-")
+
+
+def test_processes_that_cannot_start_are_an_error_and_no_files_fault(monkeypatch):
+    with pytest.raises(MotionSeekError, match="ends as it starts"):
+        list(read_all([Request(1, Path("/nowhere/1"))], 1, target="tests.no_such_module:read"))
+    monkeypatch.setattr("sys.executable", "/nowhere/python")
+    with pytest.raises(MotionSeekError, match="cannot be started"):
+        list(read_all([Request(1, Path("/nowhere/1"))], 1))

@@ -1,0 +1,130 @@
+"""How fast a library is made, brought up to date, opened and asked.
+
+    python -m benchmarks.library index FOLDER [--jobs N]      first run against second run
+    python -m benchmarks.library search [--windows 10000 100000 1000000] [--size 256]
+
+Every figure stands beside the plain way, measured in the same run: a numpy scan of float32 vectors.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from indexer import ingest, schema
+from indexer.library import FILE, Library
+
+A_CLIP = 50  # windows
+
+
+def index(folder: Path, jobs: int | None) -> None:
+    """Index a folder twice, the library elsewhere."""
+    with tempfile.TemporaryDirectory() as place:
+        first = ingest.index(folder, library=place, jobs=jobs)
+        second = ingest.index(folder, library=place, jobs=jobs)
+        with Library.open(place) as library:
+            stats = library.stats()
+    print(f"{first.indexed} clips, {stats['seconds'] / 3600:.2f} h of motion, {len(first.failed)} files failed")
+    print(f"library {stats['bytes'] / 1e6:.1f} MB, {stats['windows']} windows")
+    print(f"first run   {first.seconds:8.2f} s   {stats['seconds'] / first.seconds:.0f} times real time")
+    print(f"second run  {second.seconds:8.2f} s   1/{first.seconds / second.seconds:.0f} of the first")
+
+
+def search(counts: list[int], size: int) -> None:
+    """Ask libraries of random windows."""
+    print(f"{size} numbers a vector; one query, 10 answers; milliseconds, median (95th percentile)")
+    print("   windows | nearest_windows |  of a tenth  | nearest_clips |  numpy scan   | recall@10 | open  | build")
+    for count in counts:
+        with tempfile.TemporaryDirectory() as place:
+            made = _library(Path(place), count, size)
+            _row(Path(place), made, count, size)
+
+
+def _row(place: Path, vectors: np.ndarray, count: int, size: int) -> None:
+    rng = np.random.default_rng(1)
+    query = rng.standard_normal((1, size), np.float32)
+    query /= np.linalg.norm(query)
+    with Library.open(place) as library:
+        build = _once(lambda: library.nearest_windows(query, 10))
+    with Library.open(place) as library:
+        opened = _once(lambda: library.nearest_windows(query, 10))
+        allowed = np.sort(rng.choice(library.ids(), len(library) // 10, replace=False))
+        windows = _times(lambda: library.nearest_windows(query, 10))
+        tenth = _times(lambda: library.nearest_windows(query, 10, allowed=allowed))
+        clips = _times(lambda: library.nearest_clips(query, 10))
+        _, ids, starts, _ = library.nearest_windows(query, 10)
+    scan = _times(lambda: np.argpartition(vectors @ query[0], -10)[-10:])
+    exact = np.argsort(-(vectors @ query[0]))[:10]
+    found = set(zip(ids[0].tolist(), np.rint(starts[0] / 0.4).astype(int).tolist(), strict=True))
+    want = {(int(row) // A_CLIP + 1, int(row) % A_CLIP) for row in exact}
+    print(
+        f"{count:10,} | {_show(windows):>15} | {_show(tenth):>12} | {_show(clips):>13} | {_show(scan):>13} | "
+        f"{len(found & want) / 10:9.2f} | {opened:5.2f} s | {build:5.2f} s"
+    )
+
+
+def _library(folder: Path, count: int, size: int) -> np.ndarray:
+    """A library of `count` random windows, 50 a clip; the vectors (count, size)."""
+    Library.open(folder, create=True).close()
+    rng = np.random.default_rng(0)
+    vectors = rng.standard_normal((count, size), np.float32)
+    vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
+    starts = (np.arange(A_CLIP) * 0.4).astype(np.float32).tobytes()
+    connection = schema.connect(folder / FILE, writable=True)
+    with schema.transaction(connection):
+        connection.execute("INSERT INTO roots(id, path) VALUES (1, '..')")
+        connection.execute("INSERT INTO models VALUES (1, 'none', 'random', ?)", (size,))
+        connection.execute("INSERT INTO settings VALUES ('model', 1)")
+        connection.execute("UPDATE settings SET value = 1 WHERE key = 'generation'")
+        for clip in range(1, count // A_CLIP + 1):
+            packed = vectors[(clip - 1) * A_CLIP : clip * A_CLIP].astype(np.float16)
+            connection.execute(
+                "INSERT INTO files VALUES (?, 1, ?, 0, 0, ?, '', 'indexed', NULL)", (clip, f"{clip}.bvh", str(clip))
+            )
+            connection.execute(
+                "INSERT INTO clips VALUES (?, ?, ?, 'bvh', '', 20, 424, 21.2, '', 1)", (clip, clip, str(clip))
+            )
+            connection.execute("INSERT INTO embeddings VALUES (?, 1, ?)", (clip, packed[0].tobytes()))
+            connection.execute("INSERT INTO windows VALUES (?, 1, 1.6, ?, ?)", (clip, starts, packed.tobytes()))
+    connection.close()
+    return vectors
+
+
+def _once(call: Callable[[], object]) -> float:
+    began = time.perf_counter()
+    call()
+    return time.perf_counter() - began
+
+
+def _times(call: Callable[[], object], times: int = 30) -> np.ndarray:
+    call()
+    return np.array([_once(call) for _ in range(times)]) * 1e3
+
+
+def _show(times: np.ndarray) -> str:
+    return f"{np.median(times):.2f} ({np.percentile(times, 95):.2f})"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", required=True)
+    indexing = commands.add_parser("index")
+    indexing.add_argument("folder", type=Path)
+    indexing.add_argument("--jobs", type=int)
+    searching = commands.add_parser("search")
+    searching.add_argument("--windows", type=int, nargs="+", default=[10_000, 100_000, 1_000_000])
+    searching.add_argument("--size", type=int, default=256)
+    given = parser.parse_args()
+    if given.command == "index":
+        index(given.folder, given.jobs)
+    else:
+        search(given.windows, given.size)
+
+
+if __name__ == "__main__":
+    main()
