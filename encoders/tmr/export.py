@@ -7,10 +7,8 @@ turned back to floating point when the graph is loaded; activations are floating
 from __future__ import annotations
 
 import json
-import logging
 import shutil
 import tempfile
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
@@ -19,99 +17,12 @@ import numpy as np
 import onnx
 import torch
 from numpy.typing import NDArray
-from torch import Tensor, nn
 
 from encoders.kinds import FEATURE_KINDS
 from encoders.manifest import CALIBRATION, FORMAT, MANIFEST, MOTION, TEXT, TOKENIZER, digest
-from encoders.tmr.language import LanguageModel, LanguageNetwork
-from encoders.tmr.network import TMR, Config, Encoder, Tower, valid_mask
-from encoders.tmr.quantise import to_int8
-
-OPSET = 18
-
-
-class MotionGraph(nn.Module):
-    """features (N, T, F), lengths (N,) -> latent (N, D), the normaliser included."""
-
-    def __init__(self, encoder: Encoder, mean: NDArray[np.float32], std: NDArray[np.float32]) -> None:
-        super().__init__()
-        self.encoder = encoder
-        self.mean: Tensor
-        self.std: Tensor
-        self.register_buffer("mean", torch.as_tensor(mean, dtype=torch.float32))
-        self.register_buffer("std", torch.as_tensor(std, dtype=torch.float32) + 1e-12)
-
-    def forward(self, features: Tensor, lengths: Tensor) -> Tensor:
-        """See the class."""
-        return self.encoder.mean((features - self.mean) / self.std, valid_mask(lengths, features.shape[1]))
-
-
-class TextGraph(nn.Module):
-    """input_ids (N, L), attention_mask (N, L) -> latent (N, D), the language model included."""
-
-    def __init__(self, encoder: Encoder, language: LanguageNetwork) -> None:
-        super().__init__()
-        self.encoder = encoder
-        self.language = language
-
-    def forward(self, input_ids: Tensor, attention_mask: Tensor) -> Tensor:
-        """See the class."""
-        mask = attention_mask > 0
-        return self.encoder.mean(self.language(input_ids, mask), mask)
-
-
-def motion_graph(encoder: Encoder, mean: NDArray[np.float32], std: NDArray[np.float32]) -> onnx.ModelProto:
-    """The fp32 graph of `MotionGraph`."""
-    example = (torch.zeros(2, 12, len(mean)), torch.tensor([12, 7]))
-    shapes = ({0: "batch", 1: "frames"}, {0: "batch"})
-    return _trace(MotionGraph(encoder, mean, std), example, ("features", "lengths"), shapes)
-
-
-def text_graph(encoder: Encoder, language: LanguageNetwork) -> onnx.ModelProto:
-    """The fp32 graph of `TextGraph`."""
-    example = (torch.zeros(2, 9, dtype=torch.int64), torch.ones(2, 9, dtype=torch.int64))
-    shapes = ({0: "batch", 1: "tokens"}, {0: "batch", 1: "tokens"})
-    return _trace(TextGraph(encoder, language), example, ("input_ids", "attention_mask"), shapes)
-
-
-def _trace(
-    module: nn.Module, example: tuple[Tensor, ...], inputs: tuple[str, ...], shapes: tuple[dict[int, str], ...]
-) -> onnx.ModelProto:
-    training = module.training
-    quiet = logging.getLogger("torch.onnx")
-    level = quiet.level
-    quiet.setLevel(logging.ERROR)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            program = torch.onnx.export(
-                module.eval(),
-                example,
-                input_names=list(inputs),
-                output_names=["latent"],
-                opset_version=OPSET,
-                dynamo=True,
-                dynamic_shapes=shapes,
-                verbose=False,
-            )
-    finally:
-        module.train(training)
-        quiet.setLevel(level)
-    if program is None:
-        raise RuntimeError("torch.onnx.export gave no program")
-    return _without_traces(program.model_proto)
-
-
-def _without_traces(model: onnx.ModelProto) -> onnx.ModelProto:
-    """Drop what the exporter notes about the source (file names, line numbers): it is no part of the model."""
-    for part in (model, model.graph, *model.graph.node, *model.graph.input, *model.graph.output, *model.functions):
-        part.ClearField("metadata_props")
-        part.ClearField("doc_string")
-    for tensor in model.graph.initializer:
-        tensor.ClearField("metadata_props")
-        tensor.ClearField("doc_string")
-    model.graph.ClearField("value_info")
-    return model
+from encoders.tmr.graph import motion_graph, text_graph
+from encoders.tmr.language import LanguageModel
+from encoders.tmr.network import TMR, Config, Encoder, Tower
 
 
 def export_bundle(
@@ -151,12 +62,9 @@ def export_bundle(
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as temporary:
         new = Path(temporary) / "bundle"
         new.mkdir()
-        graphs = {
-            MOTION: motion_graph(motion_encoder, mean, std),
-            TEXT: text_graph(text_encoder, truncated(language)),
-        }
-        for file, graph in graphs.items():
-            onnx.save(to_int8(graph) if weights == "int8" else graph, new / file)
+        int8 = weights == "int8"
+        onnx.save(motion_graph(motion_encoder, mean, std, int8=int8), new / MOTION)
+        onnx.save(text_graph(text_encoder, language.network, language.max_tokens, int8=int8), new / TEXT)
         (new / TOKENIZER).write_text(language.tokenizer.to_str(), "utf-8")
         if calibration is not None:
             np.savez_compressed(new / CALIBRATION, **calibration)  # type: ignore[arg-type]
@@ -179,14 +87,6 @@ def export_bundle(
             folder.rename(Path(temporary) / "old")
         shutil.move(new, folder)
     return folder
-
-
-def truncated(language: LanguageModel) -> LanguageNetwork:
-    """The language network with no more positions than the tokenizer lets through."""
-    network = LanguageNetwork(language.network.config)
-    network.load_state_dict(language.network.state_dict())
-    network.places.weight = nn.Parameter(network.places.weight[: language.max_tokens].clone())
-    return network.eval().requires_grad_(False)
 
 
 def default_config(features: int, token_features: int) -> Config:

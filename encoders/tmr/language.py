@@ -169,6 +169,7 @@ class LanguageModel:
         BundleError
             If the package is not installed, a file is missing, or the model is not one we know.
         """
+        from safetensors import SafetensorError
         from safetensors.torch import load_file
 
         name, folder = (DEFAULT, packaged_folder()) if folder is None else (folder.name, folder)
@@ -177,7 +178,7 @@ class LanguageModel:
             network = LanguageNetwork(LanguageConfig.read(values))
             network.load_state_dict(rename(load_file(folder / "model.safetensors")))
             tokenizer = Tokenizer.from_str((folder / "tokenizer.json").read_text("utf-8"))
-        except (OSError, ValueError, KeyError, RuntimeError) as error:
+        except (OSError, ValueError, KeyError, RuntimeError, SafetensorError) as error:
             raise BundleError(f"{folder}: no language model that can be read ({error})") from error
         tokenizer.no_padding()
         tokenizer.enable_truncation(max_tokens)
