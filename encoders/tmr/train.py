@@ -53,6 +53,7 @@ class Recipe:
     hard_negatives, unrelated : captions a batch that are negatives for their own clip, or for every clip
     crop : share of single-action clips of which a random part is shown
     noise, bias : standard deviations of frame noise and of a constant offset a clip, in standardised units
+    words_lost : chance of each word piece to be left out of a sentence
     averaging : decay of the running mean of weights that is kept
     sampled : the contrastive term sees sampled latents, as published, instead of means
     decoded : motions a batch that are reconstructed
@@ -76,6 +77,7 @@ class Recipe:
     crop: float = 0.3
     noise: float = 0.03
     bias: float = 0.1
+    words_lost: float = 0.05
     averaging: float = 0.995
     sampled: bool = False
     decoded: int = 64
@@ -160,7 +162,7 @@ class Batches:
         ][: recipe.hard_negatives]
         away = rng.choice(self.unrelated, size=recipe.unrelated) if recipe.unrelated else np.zeros(0, np.int64)
         motions = [self._motion(store, i, rng) for store, i in picks]
-        texts = self.tokens.rows([*own, *(t for _, t in swapped), *away.tolist()])
+        texts = self._words([*own, *(t for _, t in swapped), *away.tolist()], rng)
         ignore = np.zeros((len(own) + len(swapped) + len(away), len(own)), bool)
         if recipe.filter == "facts":
             ignore[: len(own)] = self._no_negatives(picks, chosen, own)
@@ -182,6 +184,12 @@ class Batches:
         size = x.shape[1]
         offset = recipe.bias * rng.standard_normal(size, dtype=np.float32)
         return x + offset + recipe.noise * rng.standard_normal(x.shape, dtype=np.float32)
+
+    def _words(self, indices: list[int], rng: np.random.Generator) -> list[NDArray[np.float16]]:
+        """Token features of sentences, some of whose word pieces are lost; the first token always stays."""
+        rows = self.tokens.rows(indices)
+        kept = [rng.random(len(row)) >= self.recipe.words_lost for row in rows]
+        return [row[keep | (np.arange(len(row)) == 0)] for row, keep in zip(rows, kept, strict=True)]
 
     def _no_negatives(self, picks: list[tuple[PairStore, int]], chosen: list[int], own: list[int]) -> NDArray[np.bool_]:
         """(texts, motions): the sentence is, or may well be, true of a motion it was not written for."""
