@@ -26,7 +26,7 @@ _FLOOR = 0.2  # leg lengths within which the lowest point lies where there is a 
 
 
 def orientation(figure: Figure, rest: Figure) -> Array:
-    """The matrix (3, 3) that brings a figure to Y up and right-handed: a rotation, or a mirror where it is seen in one."""
+    """The matrix (3, 3) that brings a figure to Y up and right-handed: a rotation, a mirror where it is seen in one."""
     turn = _TO_Y[_up(figure, rest)]
     return np.diag([-1.0, 1, 1]) @ turn if is_mirrored(figure, rest) else turn
 

@@ -139,8 +139,7 @@ def _head(take: Take, top: int, arms: list[int], low: int, lengths: Array) -> di
     chain = max((chains[kid] for kid in kids), key=lambda way: float(lengths[way].sum()))
     if len(chain) == 1:
         return {"head": chain[0]}
-    is_tip = len(chain) > 2 and take.names[chain[-1]].endswith("_end")
-    return {"neck": chain[0], "head": chain[-2 if is_tip else -1]}
+    return {"neck": chain[0], "head": chain[max(len(chain) - 2, 1)]}  # beyond the head: its tip, an eye
 
 
 def _sides(positions: Array, marks: list[dict[str, int]], head: int) -> tuple[str, str]:
