@@ -5,13 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.random import Generator
 
-from encoders.corpus.body import rotation, turn
+from encoders.corpus.body import OFFSETS, rotation, turn
+from encoders.corpus.body import pose as pose_body
 from encoders.corpus.curves import ANKLE, HIP, Array, Curves, ease
 from encoders.corpus.poses import STANDING, perform, pose
 from encoders.corpus.programs import program
 from encoders.corpus.scene import Step
 from encoders.corpus.style import Manner
 from encoders.corpus.timing import duration
+from encoders.skeleton import INDEX
+
+_TRUNK = [INDEX[name] for name in ("pelvis", "spine3", "neck", "head", "left_shoulder", "right_shoulder")]
 
 
 def _carry_feet(curves: Curves, weight: Array, offset: tuple[float, float, float]) -> None:
@@ -22,6 +26,13 @@ def _carry_feet(curves: Curves, weight: Array, offset: tuple[float, float, float
         curves.feet[:, side] += (follow - curves.feet[:, side]) * weight[:, None]
         # The sole turns with the shin; beyond upright the toes point up.
         curves.foot_pitch[:, side] -= weight * curves.pelvis[:, 0]
+
+
+def _keep_above_ground(curves: Curves) -> None:
+    """Raise the hips wherever the trunk or the head would sink into the ground."""
+    lowest = pose_body(curves, OFFSETS)[:, _TRUNK, 1].min(axis=1)
+    deficit = np.maximum(0.07 - lowest, 0.0)
+    curves.root[:, 1] += np.convolve(np.pad(deficit, 2, mode="edge"), np.full(5, 0.2), mode="valid")
 
 
 @program("somersault", group="sport", directions=("forward", "backward"), counts=(1, 2), weight=1)
@@ -48,10 +59,12 @@ def somersault(step: Step, manner: Manner, rng: Generator, frames: int) -> Curve
     over = ease((now - 0.24) / 0.52)
     tucked = ease((now - 0.24) / 0.1) * ease((0.78 - now) / 0.1)
     curves.pelvis[:, 0] += way * 2 * np.pi * count * over
-    curves.root[:, 1] -= 0.12 * tucked
-    curves.root[:, 1] += 0.12 * tucked * np.abs(np.sin(np.pi * count * over))
+    # Upside down the body rests on its shoulders, and the hips are highest.
+    curves.root[:, 1] += tucked * (0.22 * np.sin(np.pi * count * over) ** 2 - 0.1)
+    curves.hands[:] += (np.array([-0.15, -0.5, 0.45]) - curves.hands) * tucked[:, None, None]
     curves.spine[:, 0] += 0.5 * tucked
     curves.head[:, 0] += 0.4 * tucked
+    _keep_above_ground(curves)
     _carry_feet(curves, tucked, (0.1, -0.38, 0.25))
     curves.pelvis[over >= 1.0, 0] -= way * 2 * np.pi * count
     return curves

@@ -1,0 +1,244 @@
+"""Made motion does what its scene says, on bodies that keep their bones, with feet that stand still."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from encoders.corpus.body import OFFSETS, pose, random_geometry
+from encoders.corpus.compose import act_scene, compatible, make_clip
+from encoders.corpus.curves import ANKLE, HANGING, STAND, Curves, standing
+from encoders.corpus.joining import join
+from encoders.corpus.programs import parts_of, program, programs, sample_step
+from encoders.corpus.scene import Clip, Scene, Step
+from encoders.corpus.style import NEUTRAL, STYLES
+from encoders.motion import Motion
+from encoders.skeleton import INDEX, PARENTS
+
+PROGRAMS = programs()
+OWN = sorted(n for n, p in PROGRAMS.items() if p.make.__module__.rpartition(".")[2] in {
+    "locomotion", "jumps", "climbing", "posture", "floor", "acrobatics"})  # fmt: skip
+
+
+def plain(*groups: Step | tuple[Step, ...], seed: int = 0) -> Clip:
+    scene = Scene(tuple(g if isinstance(g, tuple) else (g,) for g in groups))
+    return make_clip(scene, np.random.default_rng(seed), variation=0.0)
+
+
+def act(step: Step, seed: int = 0, frames: int = 0) -> Curves:
+    return PROGRAMS[step.action].make(step, NEUTRAL, np.random.default_rng(seed), frames)
+
+
+def joint(clip: Clip, name: str) -> np.ndarray:
+    return clip.joints[:, INDEX[name]].astype(np.float64)
+
+
+def test_the_same_seed_makes_the_same_clip() -> None:
+    scene = Scene(((Step("walk"), Step("wave", side="left")), (Step("sit down"),)))
+    first, second, other = (make_clip(scene, np.random.default_rng(seed)) for seed in (3, 3, 4))
+    np.testing.assert_array_equal(first.joints, second.joints)
+    assert first.spans == second.spans
+    assert first.joints.shape != other.joints.shape or not np.allclose(first.joints, other.joints)
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_every_program_makes_a_human_clip_whatever_it_is_asked(name: str) -> None:
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        clip = make_clip(Scene(((sample_step(PROGRAMS[name], rng, detail=0.8),),)), rng)
+        assert clip.joints.dtype == np.float32
+        assert np.isfinite(clip.joints).all()
+        assert 0.5 <= len(clip.joints) / clip.fps <= 40
+        assert -0.3 < clip.joints[..., 1].min() < 0.6
+        speed = np.linalg.norm(np.diff(clip.joints, axis=0), axis=-1).max() * clip.fps
+        assert speed < 25, "no joint leaps between frames"
+        (start, end), *_ = clip.spans
+        assert 0 <= start < end <= len(clip.joints) / clip.fps + 1e-6
+
+
+def test_there_are_many_programs_with_the_particulars_they_honour() -> None:
+    assert len(OWN) >= 60
+    assert {"left", "backward", "zigzag", "clockwise", "in place"} <= set(PROGRAMS["walk"].directions)
+    assert all(p.weight > 0 and p.starts and p.ends for p in PROGRAMS.values())
+    with pytest.raises(ValueError, match="twice"):
+        program("walk", group="locomotion")(PROGRAMS["walk"].make)
+
+
+def test_bones_keep_their_lengths() -> None:
+    rng = np.random.default_rng(0)
+    curves = act_scene(Scene(((Step("run"),), (Step("squat", count=2),))), rng)
+    joints = pose(curves, random_geometry(rng))
+    bones = np.linalg.norm(joints[:, 1:] - joints[:, PARENTS[1:]], axis=-1)
+    np.testing.assert_allclose(bones, np.broadcast_to(bones[0], bones.shape), atol=1e-9)
+
+
+def test_knees_bend_forward_and_elbows_back() -> None:
+    clip = plain(Step("walk", direction="forward"))
+    for side in ("left", "right"):
+        hip, knee, ankle = (joint(clip, f"{side}_{n}") for n in ("hip", "knee", "ankle"))
+        assert ((knee - (hip + ankle) / 2)[:, 2] > -0.01).all()
+        shoulder, elbow, wrist = (joint(clip, f"{side}_{n}") for n in ("shoulder", "elbow", "wrist"))
+        assert ((elbow - (shoulder + wrist) / 2)[:, 2] < 0.02).mean() > 0.95
+
+
+@pytest.mark.parametrize("step", [
+    Step("walk", direction="forward"), Step("walk", direction="clockwise"), Step("walk", direction="backward"),
+    Step("turn", direction="left"), Step("sidestep", direction="left"), Step("squat", count=2), Step("march"),
+], ids=str)  # fmt: skip
+def test_feet_do_not_slide_in_stance(step: Step) -> None:
+    curves = act(step)
+    flat = (np.abs(curves.feet[..., 1] - ANKLE) < 1e-3) & (np.abs(curves.foot_pitch) < 1e-3)
+    stands = flat[1:] & flat[:-1]
+    assert stands.mean() > 0.2
+    speed = np.linalg.norm(np.diff(curves.feet[..., [0, 2]], axis=0), axis=-1) * 20
+    assert speed[stands].mean() < 0.02, "planted in the curves"
+    posed = pose(curves, OFFSETS)[:, [INDEX["left_ankle"], INDEX["right_ankle"]]]
+    speed = np.linalg.norm(np.diff(posed[..., [0, 2]], axis=0), axis=-1) * 20
+    assert speed[stands].mean() < 0.05, "and within reach of the legs"
+
+
+@pytest.mark.parametrize(("direction", "toward"), [
+    ("forward", (0, 1)), ("backward", (0, -1)), ("left", (1, 0)), ("right", (-1, 0)),
+    ("forward-left", (1, 1)), ("forward-right", (-1, 1)), ("backward-left", (1, -1)),
+])  # fmt: skip
+def test_walking_goes_where_the_step_says_left_being_plus_x(direction: str, toward: tuple[int, int]) -> None:
+    for seed in range(6):
+        curves = act(Step("walk", direction=direction), seed, 100)
+        way = curves.root[-1, [0, 2]] - curves.root[0, [0, 2]]
+        for axis in (0, 1):
+            if toward[axis]:
+                assert way[axis] * toward[axis] > 0.3
+    assert plain(Step("walk", direction="forward")).joints[0, INDEX["left_hip"], 0] > 0
+
+
+@pytest.mark.parametrize(
+    ("direction", "sign"), [("left", 1), ("right", -1), ("counterclockwise", 1), ("clockwise", -1)]
+)
+def test_turning_left_is_counterclockwise_from_above(direction: str, sign: int) -> None:
+    assert all(sign * act(Step("turn", direction=direction), seed).heading[-1] > 0.9 for seed in range(4))
+    assert sign * act(Step("spin jump", direction=direction)).heading[-1] > 0.9
+    clip = plain(Step("turn", direction=direction))
+    across = joint(clip, "left_hip") - joint(clip, "right_hip")
+    turned = np.unwrap(np.arctan2(-across[:, 2], across[:, 0]))
+    assert sign * (turned[-1] - turned[0]) > 0.9
+
+
+def test_walking_in_place_stays_and_back_and_forth_returns() -> None:
+    assert np.abs(act(Step("walk", direction="in place")).root[:, [0, 2]]).max() < 0.1
+    curves = act(Step("walk", direction="back and forth"), 0, 160)
+    assert np.ptp(curves.root[:, 2]) > 1
+    assert np.abs(np.gradient(curves.heading)).max() > 0.05
+
+
+@pytest.mark.parametrize(("name", "low", "high"), [("walk", 0.7, 1.7), ("run", 1.8, 4.2), ("sprint", 3.0, 7.1)])
+def test_gaits_go_at_human_speeds(name: str, low: float, high: float) -> None:
+    for seed in range(8):
+        speed = (
+            np.linalg.norm(np.diff(act(Step(name, direction="forward"), seed, 80).root[:, [0, 2]], axis=0), axis=1) * 20
+        )
+        assert low < np.percentile(speed, 80) < high
+
+
+def _peaks(curve: np.ndarray, level: float) -> int:
+    above = curve > level
+    return int((above[1:] & ~above[:-1]).sum() + above[0])
+
+
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_counts_are_kept(count: int) -> None:
+    for seed in range(3):
+        feet = act(Step("jump", count=count), seed).feet[..., 1].min(axis=1)
+        assert _peaks(feet, ANKLE + 0.03) == count
+        assert _peaks(STAND - act(Step("squat", count=count), seed).root[:, 1], 0.1) == count
+        bow = act(Step("bow", count=count), seed)
+        assert _peaks((bow.spine + bow.pelvis)[:, 0], 0.2) == count
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_sides_are_the_bodys_own(side: str) -> None:
+    on = ("left", "right").index(side)
+    hop = act(Step("hop", side=side, direction="in place"))
+    middle = len(hop) // 2
+    assert hop.feet[middle, on, 1] < hop.feet[middle, 1 - on, 1] - 0.1
+    kneeling = act(Step("kneel", side=side))
+    assert kneeling.feet[:, on, 2].min() < kneeling.feet[:, 1 - on, 2].min() - 0.3
+    balance = act(Step("balance on one leg", side=side))
+    assert balance.feet[len(balance) // 2, 1 - on, 1] > balance.feet[len(balance) // 2, on, 1] + 0.2
+
+
+def test_mirrored_curves_are_the_mirrored_motion() -> None:
+    curves = act_scene(
+        Scene(((Step("lunge", side="left"),), (Step("turn", direction="left"),))), np.random.default_rng(1)
+    )
+    mirrored = Motion(pose(curves, OFFSETS)).mirror().joints
+    np.testing.assert_allclose(pose(curves.mirrored(), OFFSETS), mirrored, atol=1e-5)
+    arm = Curves(standing(4).data, [(0, 4)], frozenset({"left_arm"}))
+    assert arm.mirrored().parts == {"right_arm"}
+
+
+def test_steps_in_sequence_join_where_the_one_before_ended() -> None:
+    walk, turn = act(Step("walk", direction="forward"), 0, 60), act(Step("turn", direction="left"))
+    joined = join(walk, turn)
+    frames = len(joined) - len(walk) - len(turn)
+    assert 4 <= frames <= 26
+    assert joined.spans == [(0, len(walk)), (len(walk) + frames, len(joined))]
+    np.testing.assert_array_equal(joined.data[: len(walk)], walk.data)
+    assert joined.heading[len(walk) + frames] == pytest.approx(walk.heading[-1])
+    speed = np.linalg.norm(np.diff(pose(joined, OFFSETS), axis=0), axis=-1) * 20
+    assert speed.max() < 8
+    clip = plain(Step("walk"), Step("jump", count=2), Step("sit down"))
+    assert len(clip.spans) == 3
+    assert all(a[1] <= b[0] for a, b in zip(clip.spans, clip.spans[1:], strict=False))
+
+
+def test_steps_at_once_share_the_body() -> None:
+    assert parts_of(Step("wave", side="left")) == {"left_arm"}
+    assert compatible(Step("walk"), Step("wave", side="left"))
+    assert not compatible(Step("walk"), Step("run"))
+    both = plain((Step("walk", direction="forward"), Step("raise arm", side="left", height="high")))
+    assert len(both.spans) == 1
+    raised = joint(both, "left_wrist")[:, 1] - joint(both, "left_shoulder")[:, 1]
+    hanging = joint(both, "right_wrist")[:, 1] - joint(both, "right_shoulder")[:, 1]
+    assert raised.max() > 0.2 > 0 > hanging.max()
+    assert np.ptp(joint(both, "pelvis")[:, 2]) > 1
+
+
+@pytest.mark.parametrize(("style", "measure", "sign"), [
+    ("old", "bend", 1), ("proud", "bend", -1), ("tired", "speed", -1), ("energetic", "speed", 1), ("heavy", "width", 1),
+    ("feminine", "width", -1), ("sad", "nod", 1), ("happy", "bob", 1), ("zombie", "hands", 1),
+])  # fmt: skip
+def test_styles_change_the_body(style: str, measure: str, sign: int) -> None:
+    def measured(name: str) -> float:
+        values = []
+        for seed in range(12):
+            curves = act_scene(Scene(((Step("walk", direction="forward", style=name),),)), np.random.default_rng(seed))
+            values.append({
+                "bend": curves.spine[:, 0].mean(),
+                "speed": np.linalg.norm(np.diff(curves.root[:, [0, 2]], axis=0), axis=1).mean(),
+                "width": np.abs(np.diff(curves.feet[..., 0], axis=1)).mean(),
+                "nod": (curves.head + curves.spine)[:, 0].mean(),
+                "bob": curves.root[:, 1].std(),
+                "hands": curves.hands[..., 1].mean(),
+            }[measure])  # fmt: skip
+        return float(np.mean(values))
+
+    assert sign * (measured(style) - measured("")) > 0
+    assert style in STYLES
+
+
+def test_bodies_and_performers_differ() -> None:
+    scene = Scene(((Step("stand"),),))
+    clips = [make_clip(scene, np.random.default_rng(seed)) for seed in range(10)]
+    across = [np.linalg.norm(joint(c, "left_shoulder") - joint(c, "right_shoulder"), axis=1).mean() for c in clips]
+    assert np.std(across) > 0.015
+    assert 0.2 < min(across) < max(across) < 0.6
+    assert HANGING[1] < 0
+    plain_bones = plain(Step("stand")).joints[0, INDEX["left_knee"]] - plain(Step("stand")).joints[0, INDEX["left_hip"]]
+    assert np.linalg.norm(plain_bones) == pytest.approx(0.4, abs=1e-3)
+
+
+def test_unknown_actions_and_styles_are_refused() -> None:
+    with pytest.raises(KeyError):
+        plain(Step("levitate"))
+    with pytest.raises(KeyError):
+        plain(Step("walk", style="quantum"))
