@@ -1,0 +1,161 @@
+"""What verbs mean: a verb with the words around it, as a step of the corpus. The rules are data: `phrases/verbs.json`.
+
+A rule is [pattern, action, conditions]: the pattern must match all words that `particulars` leaves of the clause; an
+action of null says that this cannot be acted out. Conditions set fields or ask for something (`need`).
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from functools import cache
+
+from encoders.corpus.language.lexicon import FOLDER
+from encoders.corpus.language.particulars import Particulars
+from encoders.corpus.language.words import gerund, past, third_person
+from encoders.corpus.programs import Program, programs
+from encoders.corpus.scene import Step
+
+_PARTICIPLES = {
+    "raise": ["risen"], "rise": ["risen"], "throw": ["thrown"], "run": ["run"], "go": ["gone"], "take": ["taken"],
+    "lie": ["lied", "laying"], "swing": ["swinged"], "kneel": ["kneeled"], "leap": ["leaped"], "creep": ["creeped"],
+    "jog": ["joging"], "bend": ["bended"], "throw ": [], "wave": ["waiving", "waives"], "catch": ["catchs"],
+    "crouch": ["crouchs"], "punch": ["punchs"], "sit": ["siting"], "put": ["puting"], "step": ["steping"],
+}  # fmt: skip
+_NEVER_VERBS = frozenset({"hand", "hands", "head", "back", "face", "box", "place", "bat", "rest", "light", "rock", "shoulder",
+                          "down", "right", "left", "circle", "golf", "steps", "step", "button", "iron", "row", "fish"})  # fmt: skip
+_FORWARD_ANYWAY = frozenset({"forward", "in place"})  # what a movement without directions does anyway
+_ON_THE_GROUND = frozenset({"kneel", "lie down", "get up", "fall", "faint", "roll over", "crawl", "army crawl", "crouch",
+                            "push-up", "sit-up", "plank", "bend forward", "toe touch", "somersault", "stomp", "squat"})  # fmt: skip
+
+
+@cache
+def rules() -> dict[str, tuple[tuple[re.Pattern[str], str | None, dict[str, str]], ...]]:
+    """Lemma -> its rules in order."""
+    loaded = json.loads((FOLDER / "verbs.json").read_text(encoding="utf-8"))
+    return {
+        lemma: tuple((re.compile(rule[0]), rule[1], rule[2] if len(rule) > 2 else {}) for rule in entries)
+        for lemma, entries in loaded.items()
+    }
+
+
+@cache
+def lemmas() -> dict[str, str]:
+    """Every form of every known verb -> its base form."""
+    found: dict[str, str] = {}
+    for lemma in rules():
+        for form in (lemma, third_person(lemma), gerund(lemma), past(lemma), *_PARTICIPLES.get(lemma, ())):
+            found.setdefault(form, lemma)
+    found.update({"lays": "lay", "laid": "lay", "lying": "lie", "left": "", "saw": "look", "felt": "feel", "wound": ""})
+    return {form: lemma for form, lemma in found.items() if lemma}
+
+
+def is_verb(word: str) -> bool:
+    """Whether a word that follows "and" begins a clause of its own."""
+    return word in lemmas() and (word not in _NEVER_VERBS)
+
+
+@dataclass(frozen=True)
+class Context:
+    """What came before a clause: the posture it begins in and the action before it ("" at the start)."""
+
+    posture: str = ""
+    action: str = ""
+    turned: bool = False
+
+
+def _needs_met(need: str, clause: str, found: Particulars, context: Context) -> bool:
+    sides = [side for _, side in found.limbs]
+    one = any(side in ("left", "right") for side in sides) or " one " in f" {clause} "
+    return {
+        "": True,
+        "direction": "direction" in found.fields,
+        "oneleg": one and "both" not in sides,
+        "both": "both" in sides,
+        "front": found.front or found.fields.get("direction") == "forward",
+        "nosideboth": "both" not in sides[:1],
+        "nofoot": all(limb not in ("foot", "leg", "knee", "elbow") for limb, _ in found.limbs),
+        "floor": context.posture == "floor",
+        "walkish": "rope" in clause or "beam" in clause or "line" in clause or "walk" in clause,
+        "sideno": True,
+        "turned": context.turned,
+        "never": False,
+    }.get(need, True)
+
+
+def _count(found: Particulars, program: Program) -> int | None:
+    """The count of the step, 0 where none was named, None where the program cannot do it."""
+    named = int(found.fields.get("count", 0))
+    if found.several and not named:
+        return min(max(3, program.counts[0]), program.counts[1]) if program.counts else None
+    if not named:
+        return 0
+    if program.counts and program.counts[0] <= named <= program.counts[1]:
+        return named
+    return 0 if named == 1 and not program.counts else None
+
+
+def _direction(found: Particulars, program: Program) -> str | None:
+    direction = found.fields.get("direction", "")
+    if not direction or direction in program.directions:
+        return direction
+    if direction == "side to side" and "back and forth" in program.directions and program.name in ("sidestep", "sway"):
+        return "back and forth"
+    if direction in _FORWARD_ANYWAY and not program.directions:
+        return ""
+    return "" if direction == "in place" and program.group != "locomotion" else None
+
+
+def _side(found: Particulars, program: Program) -> str | None:
+    side = next((side for _, side in found.limbs if side), "")
+    if not side or side in program.sides:
+        return side
+    return "" if side == "both" and not program.sides else None
+
+
+def _legal(action: str, fields: dict[str, str], found: Particulars) -> Step | None:
+    """A step of this action with the clause's particulars; None where the program does not honour one of them."""
+    program = programs().get(action)
+    if program is None:
+        return None
+    found.fields |= {name: value for name, value in fields.items() if name not in ("need", "arm", "spin", "lying")}
+    count, direction, side = _count(found, program), _direction(found, program), _side(found, program)
+    if count is None or direction is None or side is None:
+        return None
+    height, amplitude = found.fields.get("height", ""), found.fields.get("amplitude", "")
+    if height and height not in program.heights:
+        if height != "middle" and not (height == "low" and action in _ON_THE_GROUND):
+            return None
+        height = ""
+    speed, style = found.fields.get("speed", ""), found.fields.get("style", "")
+    if (amplitude and amplitude not in program.amplitudes) or (speed and speed not in program.speeds):
+        return None
+    if style and not program.styled:
+        return None
+    return Step(action, side, direction, speed, amplitude, count, style, height)
+
+
+def step_of(lemma: str, clause: str, found: Particulars, context: Context) -> Step | None:
+    """The step that a verb and its particulars name; None where no rule fits or its program cannot do it."""
+    for pattern, action, conditions in rules().get(lemma, ()):
+        if pattern.fullmatch(found.rest) and _needs_met(conditions.get("need", ""), clause, found, context):
+            return None if action is None else _legal(action, dict(conditions), found)
+    return None
+
+
+def means_something(lemma: str, found: Particulars) -> bool:
+    """Whether some rule of the verb reads these words, though perhaps not every particular."""
+    if not rules().get(lemma):
+        return False
+    if lemma not in _LIGHT:
+        return True
+    return any(
+        action is not None and pattern.pattern and re.search(rf"\b(?:{pattern.pattern})\b", found.rest)
+        for pattern, action, _ in rules()[lemma]
+    )
+
+
+_LIGHT = frozenset(
+    {"do", "make", "perform", "take", "play", "have", "give", "get", "practice", "complete", "execute", "hold"}
+)
