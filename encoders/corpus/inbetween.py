@@ -17,17 +17,17 @@ def through(now: Array, times: Array, values: Array) -> Array:
     """
     if len(times) == 1:
         return np.repeat(values, len(now), axis=0)
-    step = np.maximum(np.diff(times), 1e-6)[:, None]
-    secant = np.diff(values, axis=0) / step
+    step = np.maximum(times[1:] - times[:-1], 1e-6)[:, None]
+    secant = (values[1:] - values[:-1]) / step
     slope = np.zeros_like(values)
     before, after = secant[:-1], secant[1:]
     agree = before * after > 0
     heavy, light = 2 * step[1:] + step[:-1], step[1:] + 2 * step[:-1]
     mean = (heavy + light) / np.where(agree, heavy / np.where(agree, before, 1) + light / np.where(agree, after, 1), 1)
     slope[1:-1] = np.where(agree, mean, 0.0)
-    at = np.clip(np.searchsorted(times, now, side="right") - 1, 0, len(times) - 2)
+    at = np.minimum(np.maximum(np.searchsorted(times, now, side="right") - 1, 0), len(times) - 2)
     width = step[at]
-    x = np.clip((now - times[at])[:, None] / width, 0.0, 1.0)
+    x = np.minimum(np.maximum((now - times[at])[:, None] / width, 0.0), 1.0)
     return np.asarray(
         values[at] * (1 + 2 * x) * (1 - x) ** 2
         + values[at + 1] * x * x * (3 - 2 * x)
@@ -50,12 +50,16 @@ def with_arcs(times: Array, values: Array, rng: Generator) -> tuple[Array, Array
     return np.insert(times, long + 1, at), np.insert(values, long + 1, rows, axis=0)
 
 
-def swung(now: Array, times: Array, values: Array, share: float) -> Array:
-    """Wrists (F, 3) through key places: by `share` on arcs about the shoulder, else on straight lines."""
-    straight = through(now, times, values)
-    radius = through(now, times, np.linalg.norm(values, axis=1, keepdims=True))
-    length = np.maximum(np.linalg.norm(straight, axis=1, keepdims=True), 0.1)
-    return np.asarray(straight * (1.0 + share * (radius / length - 1.0)))
+def swung(now: Array, times: Array, rows: Array, share: float) -> tuple[Array, Array]:
+    """Wrists (F, 3) through key places: by `share` on arcs about the shoulder, else on straight lines.
+
+    `rows` (K, 4) holds a further channel, which is returned too, (F,).
+    """
+    radius = np.sqrt((rows[:, :3] ** 2).sum(1, keepdims=True))
+    path = through(now, times, np.concatenate([rows, radius], axis=1))
+    straight = path[:, :3]
+    length = np.maximum(np.sqrt((straight**2).sum(1)), 0.1)
+    return straight * (1.0 + share * (path[:, 4] / length - 1.0))[:, None], path[:, 3]
 
 
 def clear_of_body(hands: Array) -> Array:

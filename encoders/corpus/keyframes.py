@@ -238,8 +238,8 @@ def _move_hand(
     values = np.where(meant > 0.88, values * np.minimum(meant / length, 1.0 / length), values)
     times, rows = with_arcs(times, np.concatenate([values, 0.8 - 0.65 * busy], axis=1), rng)
     late = now - rng.normal(0.0, 0.02)
-    curves.hands[:, hand] = clear_of_body(swung(late, times, rows[:, :3], rng.uniform(0.5, 1.0)))
-    curves.hang[:, hand] = through(late, times, rows[:, 3:])[:, 0]
+    place, curves.hang[:, hand] = swung(late, times, rows, rng.uniform(0.5, 1.0))
+    curves.hands[:, hand] = clear_of_body(place)
     curves.elbow[:, hand] += rng.normal(0.0, 0.2) * (0.8 - curves.hang[:, hand]) / 0.65
     if f"{name}_reach" in tracks:
         spots, places = tracks[f"{name}_reach"]

@@ -39,7 +39,7 @@ def throw(c: Cue) -> list[Key]:
                 key(c.r(0.35, 0.6), c.r(0.0, 0.2), lead=(0.45, 0.3, -0.4), off=(0.1, -0.1, 0.75),
                 spine=(-0.08, 0.05, turn),
                     root=(0.03, -0.02, -0.06), head=(0, 0, -turn)),
-                key(c.r(0.12, 0.18), lead=(0.1, 0.45, 0.75), off=(0.3, -0.5, 0.2), spine=(0.1, -0.1, -0.3 * turn),
+                key(c.r(0.17, 0.25), lead=(0.1, 0.45, 0.75), off=(0.3, -0.5, 0.2), spine=(0.1, -0.1, -0.3 * turn),
                     off_foot=(0, 0, stride), root=(-0.02, -0.04, stride / 2), head=(0, 0, 0)),
                 key(c.r(0.14, 0.2), 0.1, lead=(-0.5, -0.5, 0.6), spine=(0.35, -0.1, -turn), head=(0, 0, 0.4 * turn)),
             ]  # fmt: skip
