@@ -51,6 +51,7 @@ class Recipe:
     similarity : sentences nearer than this on the (1 + cosine) / 2 scale are no negatives where a real clip is involved
     contrast : "infonce", "margin" (a ranking loss with a random negative) or "none"
     hard_negatives, unrelated : captions a batch that are negatives for their own clip, or for every clip
+    telling : weight, within the contrastive term, of choosing between a sentence and its changed twin
     crop : share of single-action clips of which a random part is shown
     noise, bias : standard deviations of frame noise and of a constant offset a clip, in standardised units
     words_lost : chance of each word piece to be left out of a sentence
@@ -72,7 +73,8 @@ class Recipe:
     filter: str = "facts"
     similarity: float = 0.8
     contrast: str = "infonce"
-    hard_negatives: int = 64
+    hard_negatives: int = 96
+    telling: float = 0.5
     unrelated: int = 16
     crop: float = 0.3
     noise: float = 0.03
@@ -121,11 +123,13 @@ class Batch:
     motions : rows (T, F), standardised
     texts : rows (L, width)
     ignore : boolean (texts, motions), True where a pair counts neither way
+    swapped : (S,) for the S texts right after the motions' own: the motion of which each is nearly, yet not, true
     """
 
     motions: list[NDArray[np.float32]]
     texts: list[NDArray[np.float16]]
     ignore: Tensor
+    swapped: Tensor
 
 
 class Batches:
@@ -169,7 +173,7 @@ class Batches:
         for extra, (row, _) in enumerate(swapped):
             ignore[len(own) + extra] = True
             ignore[len(own) + extra, row] = False
-        return Batch(motions, texts, torch.from_numpy(ignore))
+        return Batch(motions, texts, torch.from_numpy(ignore), torch.tensor([row for row, _ in swapped]).long())
 
     def _motion(self, store: PairStore, index: int, rng: np.random.Generator) -> NDArray[np.float32]:
         recipe = self.recipe
@@ -227,6 +231,15 @@ def contrast(text: Tensor, motion: Tensor, ignore: Tensor, temperature: Tensor, 
     return (F.cross_entropy(logits[:count], target) + F.cross_entropy(logits.T, target)) / 2
 
 
+def telling_apart(text: Tensor, motion: Tensor, swapped: Tensor, temperature: Tensor) -> Tensor:
+    """Cross-entropy of choosing, for a motion, its own sentence over the one with a single thing changed."""
+    count = len(motion)
+    motion = F.normalize(motion[swapped], dim=-1)
+    own = (F.normalize(text[swapped], dim=-1) * motion).sum(-1)
+    other = (F.normalize(text[count : count + len(swapped)], dim=-1) * motion).sum(-1)
+    return F.softplus((other - own) / temperature).mean()
+
+
 def encode(encoder: Encoder, rows: Sequence[NDArray[np.floating]], groups: int = 3) -> Gaussian:
     """Rows of mixed lengths through an encoder, in groups of like length so that little is padding."""
     order = np.argsort([len(row) for row in rows], kind="stable")
@@ -248,6 +261,10 @@ def step_losses(model: TMR, log_temperature: Tensor, batch: Batch, recipe: Recip
             (torch.cat((sampled_text, texts.mu[count:])), sampled_motion) if recipe.sampled else (texts.mu, motion.mu)
         )
         terms["contrastive"] = contrast(*sides, batch.ignore, log_temperature.exp(), recipe.contrast)
+        if recipe.telling and len(batch.swapped):
+            terms["contrastive"] = terms["contrastive"] + recipe.telling * telling_apart(
+                *sides, batch.swapped, log_temperature.exp()
+            )
     if model.motion_decoder is not None:
         every = max(1, count // recipe.decoded)
         target, mask = pad(batch.motions[::every])
