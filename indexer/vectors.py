@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 Found = tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]
 
+#: Products of a query and a row from which on threads are worth their start.
+_WORTH_THREADS = 1 << 22
+
 #: Share of rows that came or went since the main block was made, from which on a new one is made.
 _LOOSE = 0.05
 
@@ -81,6 +84,17 @@ class Vectors(Protocol):
         """
 
 
+class _Codes:
+    """The memory of a FAISS index as an array (n, D) that keeps the index alive."""
+
+    def __init__(self, index: Any, count: int, size: int) -> None:
+        import faiss
+
+        self.index = index
+        address = faiss.rev_swig_ptr(index.codes.data(), 1).ctypes.data
+        self.__array_interface__ = {"version": 3, "typestr": "<f2", "shape": (count, size), "data": (address, True)}
+
+
 class Block:
     """Rows and the FAISS index over them; the vectors lie in the FAISS index alone."""
 
@@ -99,19 +113,18 @@ class Block:
 
     @property
     def rows(self) -> Rows:
-        import faiss
-
+        """The rows; the vectors are a view of the index's memory."""
         count, size = self.index.ntotal, self.index.d
         if not count:
             return Rows.none(size)
-        codes = faiss.rev_swig_ptr(self.index.codes.data(), count * size * 2)
-        return Rows(self.owners, self.spans, codes.view(np.float16).reshape(count, size))
+        return Rows(self.owners, self.spans, np.asarray(_Codes(self.index, count, size)))
 
     def search(self, queries: NDArray[np.float32], k: int, mask: NDArray[np.bool_] | None) -> Found:
         import faiss
 
-        # One thread a single query: several spend their time waiting for memory and for each other.
-        faiss.omp_set_num_threads(1 if len(queries) == 1 else min(len(queries), os.cpu_count() or 1))
+        # Threads share queries out. For one query, or little to do, they only wait for memory and for each other.
+        worth = len(queries) * len(self.owners) >= _WORTH_THREADS
+        faiss.omp_set_num_threads(min(len(queries), os.cpu_count() or 1) if worth else 1)
         only = None
         if mask is not None:
             selector, parameters = cast(Any, faiss.IDSelectorBitmap), cast(Any, faiss.SearchParameters)

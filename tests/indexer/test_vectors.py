@@ -97,6 +97,12 @@ def test_the_old_index_answers_as_before_when_a_new_one_is_made():
         np.testing.assert_array_equal(got, want)
 
 
+def test_rows_outlive_their_index():
+    held = FlatVectors.of(1, rows(np.arange(5000))).rows
+    np.testing.assert_array_equal(held.vectors, rows(np.arange(5000)).vectors)
+    assert not held.vectors.flags.writeable
+
+
 def test_small_changes_leave_the_main_block_alone_and_large_ones_make_a_new_one():
     index = FlatVectors.of(1, rows(np.arange(100)))
     assert index.update(2, remove=np.array([5]), add=rows([200])).shares_block(index)
