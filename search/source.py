@@ -17,7 +17,7 @@ from encoders.motion import Motion
 from indexer import load_motion
 from indexer.clips import Caption, Clip
 from indexer.library import Library
-from indexer.windows import Windows
+from indexer.windows import Windows, ends_of, grid
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,8 @@ class Source:
     read : callable
         (start, end) in seconds, end None for the end -> Motion.
     captions : sequence of Caption
-    windows : sequence of Windows
-        Its stored windows; empty where no library holds it.
+    stored : sequence of Windows
+        Its windows in the library; empty where none holds it.
     clip_id : int
         -1 where no library holds it.
     """
@@ -46,9 +46,10 @@ class Source:
     duration: float
     read: Callable[[float, float | None], Motion]
     captions: Sequence[Caption] = ()
-    windows: Sequence[Windows] = ()
+    stored: Sequence[Windows] = ()
     clip_id: int = -1
     _features: dict[str, NDArray[np.float32]] = field(default_factory=dict, repr=False)
+    _windows: dict[str, list[Windows]] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of_clip(cls, library: Library, clip: Clip) -> Source:
@@ -86,6 +87,23 @@ class Source:
         if bundle.fingerprint not in self._features:
             self._features[bundle.fingerprint] = bundle.features(self.motion)
         return self._features[bundle.fingerprint]
+
+    def windows(self, bundle: Bundle) -> Sequence[Windows]:
+        """Its encoded windows: those of the library, else those that a library would hold, shortest first."""
+        if self.stored:
+            return self.stored
+        if bundle.fingerprint not in self._windows:
+            features = self.features(bundle)
+            self._windows[bundle.fingerprint] = [
+                Windows(
+                    length,
+                    (first / bundle.fps).astype(np.float32),
+                    ends_of((first / bundle.fps).astype(np.float32), length, self.duration),
+                    bundle.encode_windows(features, first, size).astype(np.float16),
+                )
+                for length, (first, size) in grid(len(features), bundle.fps).items()
+            ]
+        return self._windows[bundle.fingerprint]
 
     def cut(self, start: float | None = None, end: float | None = None) -> Motion:
         """The motion from `start` to `end`, in seconds.

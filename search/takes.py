@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from encoders.bundle import Bundle
 from encoders.motion import Motion
 from indexer.clips import Caption
+from indexer.windows import LENGTHS as STORED_LENGTHS
+from indexer.windows import OVERLAP
 from search.chains import best_chain, candidates, whole
 from search.dense import Scored, Vectors, curve, every, join, score_windows
 from search.hits import Hit, Step
-from search.moments import PROPOSALS, Moment, Region, propose, score_stored, score_take, sharpen
+from search.moments import PROPOSALS, Moment, Region, propose, score_stored, sharpen
 from search.question import Question
 from search.source import Source
 from search.strength import judge
@@ -25,8 +27,8 @@ Found = tuple[Moment, tuple[Step, ...]]
 LONG = 300.0
 #: Seconds of motion around a span that is looked at closely: what features see of a take beyond a window is slow.
 _ROOM = 8.0
-#: The length of the windows of which the curve is made, in seconds.
-CURVE_WINDOW = 1.6
+#: The length of the windows of which the curve is made, in seconds: the shortest that a library holds.
+CURVE_WINDOW = STORED_LENGTHS[0]
 
 
 def moments_in(bundle: Bundle, source: Source, question: Question, k: int) -> list[Hit]:
@@ -57,15 +59,13 @@ def find(bundle: Bundle, source: Source, question: Question, queries: Vectors, k
 
 
 def coarse_windows(bundle: Bundle, source: Source, queries: Vectors) -> Scored:
-    """The library's windows of a motion, or those a library would have, compared with queries (Q, D)."""
-    if source.windows:
-        return join(score_stored(source.windows, queries))
-    return join(score_take(bundle, source.features(bundle), bundle.fps, queries))
+    """The windows of a motion that a library holds, or would hold, compared with queries (Q, D)."""
+    return join(score_stored(source.windows(bundle), queries))
 
 
 def region_of(bundle: Bundle, source: Source) -> Region:
     """Features of parts of a motion; of a long clip of a library only what is asked for is read."""
-    if source.windows and source.duration > LONG:
+    if source.stored and source.duration > LONG:
 
         def part(start: float, end: float) -> tuple[Vectors, float]:
             first = max(start - _ROOM, 0.0)
@@ -86,7 +86,7 @@ def hit(rank: int, source: Source, moment: Moment, strength: str, steps: tuple[S
 
 
 def curves(bundle: Bundle, source: Source, queries: Vectors) -> tuple[NDArray[np.float64], Vectors]:
-    """Similarity over time: that of the window of 1.6 s around each time.
+    """Similarity over time: that of the window of `CURVE_WINDOW` seconds around each time.
 
     Parameters
     ----------
@@ -98,14 +98,13 @@ def curves(bundle: Bundle, source: Source, queries: Vectors) -> tuple[NDArray[np
         Seconds: ten a second, for a long motion as many as there are windows.
     similarity : float32 array (Q, T)
     """
-    if source.windows and source.duration > LONG:
-        windows = score_stored(source.windows, queries)[0]
+    if source.duration > LONG:
+        windows, rate = score_stored(source.windows(bundle), queries)[0], OVERLAP / CURVE_WINDOW
     else:
         features = source.features(bundle)
         length = min(round(CURVE_WINDOW * bundle.fps), len(features))
-        starts = every(len(features), length, 1 if source.duration <= LONG else length // 4)
-        windows = score_windows(bundle, features, bundle.fps, starts, length, queries)
-    rate = 10.0 if source.duration <= LONG else 4 / CURVE_WINDOW
+        windows = score_windows(bundle, features, bundle.fps, every(len(features), length), length, queries)
+        rate = 10.0
     times = np.linspace(0, source.duration, max(int(source.duration * rate), 2))
     return times, curve(windows, times)
 

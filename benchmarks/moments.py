@@ -1,0 +1,149 @@
+"""How fast and how frugal moments are.
+
+python benchmarks/moments.py dense     10 minutes against encoding every window alone in torch (needs torch)
+python benchmarks/moments.py memory    2 hours of motion, peak memory of the command
+python benchmarks/moments.py library   100 hours of windows, milliseconds a query once its sentence is encoded
+"""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.bundle import Bundle
+from encoders.motion import Motion
+from indexer import load_motion
+from indexer.vectors import FlatVectors, Rows
+from indexer.windows import LENGTHS as STORED
+from indexer.windows import OVERLAP
+from search.dense import every, join, score_windows
+from search.evidence import best_spans
+from search.moments import PROPOSALS, propose, score_take, sharpen
+from search.query import encode_queries
+from search.refine import LENGTHS
+from search.spans import iou
+
+DEMO = Path(__file__).resolve().parent.parent / "search" / "demo_data"
+SENTENCES = ("a person kicks", "a person sits down", "someone climbs a ladder", "a person jumps", "walking backwards")
+
+
+def long_take(seconds: float) -> Motion:
+    """The demo's clips one after the other, over and over."""
+    joints = [load_motion(path).joints for path in sorted(DEMO.glob("take_*.bvh"))]
+    once = np.concatenate(joints)
+    frames = round(seconds * 20)
+    return Motion(np.resize(once, (frames, *once.shape[1:])))
+
+
+def dense(seconds: float = 600.0, alone: int = 600) -> None:
+    """The answer for a 10-minute take, by looking everywhere and by looking where it is worth it."""
+    import torch
+
+    from encoders.tmr.export import default_config
+    from encoders.tmr.network import TMR
+
+    torch.set_num_threads(2)
+    bundle = Bundle.load()
+    motion = long_take(seconds)
+    features = bundle.features(motion)
+    queries = encode_queries(bundle, SENTENCES)
+    sizes = [round(length * bundle.fps) for length in LENGTHS]
+    windows = [(int(start), size) for size in sizes for start in every(len(features), size)]
+    network = TMR(default_config(features.shape[1], 384)).motion_encoder.eval()
+    chosen = windows[:: max(1, len(windows) // alone)]
+    began = time.perf_counter()
+    with torch.inference_mode():
+        for start, size in chosen:
+            window = torch.from_numpy(features[None, start : start + size])
+            network.mean(window, torch.ones(1, size, dtype=torch.bool))
+    plain = (time.perf_counter() - began) / len(chosen) * len(windows)
+    print(f"{len(windows)} windows of a take of {motion.duration:.0f} s")
+    print(f"each alone in torch fp32 (timed on {len(chosen)}): {plain:.1f} s")
+
+    began = time.perf_counter()
+    scored = join([score_windows(bundle, features, bundle.fps, every(len(features), s), s, queries) for s in sizes])
+    batched = time.perf_counter() - began
+    print(
+        f"all, batched in ONNX Runtime, {len(SENTENCES)} sentences: {batched:.2f} s ({plain / batched:.0f} times as fast)"
+    )
+    fresh, stored, overlaps = [], [], []
+    for i in range(len(SENTENCES)):
+        query = queries[i : i + 1]
+        began = time.perf_counter()
+        coarse = join(score_take(bundle, features, bundle.fps, query))
+        proposed = time.perf_counter()
+        guesses = propose(coarse, PROPOSALS)
+        found = sharpen(bundle, lambda start, end: (features, 0.0), bundle.fps, query, guesses, 1)[0]
+        ended = time.perf_counter()
+        fresh.append(ended - began)
+        stored.append(ended - proposed)
+        truth = propose(type(scored)(scored.starts, scored.ends, scored.scores[i : i + 1]), 1)[0]
+        overlaps.append(float(iou([found.start], [found.end], truth.start, truth.end)[0]))
+    for name, times in (("a file", fresh), ("an indexed clip", stored)):
+        taken = float(np.median(times))
+        print(f"moments in {name}: {taken:.3f} s a sentence ({plain / taken:.0f} times as fast)")
+    print(f"the same answer: overlap with looking everywhere {np.round(overlaps, 2).tolist()}")
+
+
+def memory(seconds: float = 7200.0) -> None:
+    """Peak memory of `motionseek moments` on a file of 2 hours."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "two hours.npy"
+        np.save(path, long_take(seconds).joints)
+        code = "from search.cli import main; import sys; main(sys.argv[1:])"
+        began = time.perf_counter()
+        subprocess.run([sys.executable, "-c", code, "moments", "a person jumps", str(path), "-k", "3"], check=True)
+        peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+        print(f"{seconds / 3600:g} hours: peak memory {peak:.0f} MB, {time.perf_counter() - began:.1f} s")
+
+
+class Simulated:
+    """As much of a library as a question about windows needs."""
+
+    def __init__(self, hours: float, vectors: NDArray[np.float32], seed: int = 0) -> None:
+        rng = np.random.default_rng(seed)
+        parts = []
+        for length in STORED:
+            starts = np.arange(0, hours * 3600 - length, length / OVERLAP)
+            owners = (starts // 60).astype(np.int64)  # a clip a minute
+            noisy = vectors[rng.integers(len(vectors), size=len(starts))]
+            noisy = noisy + rng.standard_normal(noisy.shape, dtype=np.float32) * 0.03
+            noisy /= np.linalg.norm(noisy, axis=1, keepdims=True)
+            spans = np.stack([starts % 60, starts % 60 + length], axis=1).astype(np.float32)
+            parts.append(Rows(owners, spans, noisy.astype(np.float16)))
+        self.index = FlatVectors.of(1, Rows.join(parts))
+        self.count = sum(map(len, parts))
+
+    def __len__(self) -> int:
+        return self.count
+
+    def nearest_windows(self, queries: NDArray[np.float32], k: int, *, allowed: object = None) -> object:
+        """See `indexer.library.Library.nearest_windows`."""
+        return self.index.search(queries, k)
+
+
+def library(hours: float = 100.0, queries: int = 200) -> None:
+    """The best moments over 100 hours, once the sentence is encoded."""
+    bundle = Bundle.load()
+    features = bundle.features(long_take(300))
+    real = bundle.encode_windows(features, every(len(features), 16, 2), 16)
+    simulated = Simulated(hours, real)
+    asked = encode_queries(bundle, SENTENCES)
+    times = []
+    for i in range(queries):
+        began = time.perf_counter()
+        best_spans(simulated, asked[i % len(asked)], 10)  # type: ignore[arg-type]
+        times.append(1000 * (time.perf_counter() - began))
+    middle, late = np.percentile(times, [50, 95])
+    print(f"{hours:g} hours, {len(simulated)} windows: median {middle:.1f} ms, p95 {late:.1f} ms a query")
+
+
+if __name__ == "__main__":
+    {"dense": dense, "memory": memory, "library": library}[sys.argv[1]]()
