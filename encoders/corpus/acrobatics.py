@@ -15,7 +15,7 @@ from encoders.corpus.style import Manner
 from encoders.corpus.timing import duration
 from encoders.skeleton import INDEX
 
-_TRUNK = [INDEX[name] for name in ("pelvis", "spine3", "neck", "head", "left_shoulder", "right_shoulder")]
+_TRUNK = [INDEX[name] for name in ("pelvis", "spine3", "neck", "head", "left_foot", "right_foot")]
 
 
 def _carry_feet(curves: Curves, weight: Array, offset: tuple[float, float, float]) -> None:
@@ -28,11 +28,13 @@ def _carry_feet(curves: Curves, weight: Array, offset: tuple[float, float, float
         curves.foot_pitch[:, side] -= weight * curves.pelvis[:, 0]
 
 
-def _keep_above_ground(curves: Curves) -> None:
-    """Raise the hips wherever the trunk or the head would sink into the ground."""
+def _keep_above_ground(curves: Curves, weight: Array) -> None:
+    """Raise the body, as far as `weight` says, wherever trunk, head or feet would sink into the ground."""
     lowest = pose_body(curves, OFFSETS)[:, _TRUNK, 1].min(axis=1)
-    deficit = np.maximum(0.07 - lowest, 0.0)
-    curves.root[:, 1] += np.convolve(np.pad(deficit, 2, mode="edge"), np.full(5, 0.2), mode="valid")
+    deficit = np.maximum(0.05 - lowest, 0.0) * weight
+    raised = np.convolve(np.pad(deficit, 2, mode="edge"), np.full(5, 0.2), mode="valid")
+    curves.root[:, 1] += raised
+    curves.feet[..., 1] += raised[:, None]
 
 
 @program("somersault", group="sport", directions=("forward", "backward"), counts=(1, 2), weight=1)
@@ -64,8 +66,8 @@ def somersault(step: Step, manner: Manner, rng: Generator, frames: int) -> Curve
     curves.hands[:] += (np.array([-0.15, -0.5, 0.45]) - curves.hands) * tucked[:, None, None]
     curves.spine[:, 0] += 0.5 * tucked
     curves.head[:, 0] += 0.4 * tucked
-    _keep_above_ground(curves)
     _carry_feet(curves, tucked, (0.1, -0.38, 0.25))
+    _keep_above_ground(curves, tucked)
     curves.pelvis[over >= 1.0, 0] -= way * 2 * np.pi * count
     return curves
 

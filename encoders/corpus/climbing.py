@@ -34,8 +34,8 @@ def climb_stairs(step: Step, manner: Manner, rng: Generator, frames: int) -> Cur
     course = replace(course, root=np.stack([course.root[:, 0], run], axis=1))
     flat_start, flat_end = rng.choice([0, 0, 2], 2)
     stairs = max(int(run[-PAD] / tread) - flat_end, flat_start + 2)
-    number = np.clip(np.floor(run / tread + 0.5), flat_start, stairs) - flat_start
-    course = replace(course, level=np.asarray((-riser if down else riser) * number, np.float64))
+    number: Array = np.clip(np.floor(run / tread + 0.5), flat_start, stairs) - flat_start
+    course = replace(course, level=(-riser if down else riser) * number.astype(np.float64))
     curves = step_along(course, gait, manner)
     lowest = float(np.min(curves.feet[..., 1])) - 0.085
     curves.root[:, 1] -= lowest + (0.03 if down else 0.0)
@@ -96,7 +96,9 @@ def _obstacle(
         going = going * (1 - ease((now - when - 0.7) / 0.5))
     gait = Gait(speed=rng.uniform(0.8, 1.2), cadence=rng.uniform(1.4, 1.7), arms=0.3)
     course, gait = travel(replace(step, count=0), gait, manner, rng, frames, going)
-    course = replace(course, lift=lift * np.exp(-(np.square((now - when) / 0.55) ** 2)), level=level * (now > when))
+    course = replace(
+        course, lift=lift * np.exp(-(np.square((now - when) / 0.55) ** 2)), level=np.where(now > when, level, 0.0)
+    )
     curves = step_along(course, gait, manner)
     near = near[PAD:-PAD]
     curves.head[:, 0] += 0.3 * near

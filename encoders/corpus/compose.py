@@ -55,7 +55,7 @@ _SEATS = ("middle", "middle", "middle", "middle", "low")
 
 
 def _agreeing(scene: Scene, rng: Generator) -> list[tuple[Step, ...]]:
-    """The scene's steps, with what they leave open about lying and sitting decided alike: up from where it went down."""
+    """The scene's steps, with what they leave open about lying and sitting decided alike."""
     lying, seat = str(rng.choice(_LYING)), str(rng.choice(_SEATS))
     groups = []
     for group in scene.steps:

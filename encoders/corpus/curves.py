@@ -25,6 +25,7 @@ SIDES = {"left": LEFT, "right": RIGHT}
 
 LEGS = frozenset({"legs"})
 ARMS = frozenset({"left_arm", "right_arm"})
+TORSO = frozenset({"spine", "head"})
 BODY = frozenset({"legs", "spine", "head", "left_arm", "right_arm"})
 
 _LEGS = [*range(0, 7), *range(13, 25)]
@@ -114,7 +115,7 @@ class Curves:
 
     @property
     def hands(self) -> Array:
-        """Wrists from their own shoulders, (F, 2, 3): outward, upward, forward, in arm lengths; in the chest's frame."""
+        """Wrists from their own shoulders, (F, 2, 3): outward, upward, forward, arm lengths; in the chest's frame."""
         return self.data[:, 25:45].reshape(-1, 2, 10)[..., 0:3]
 
     @property

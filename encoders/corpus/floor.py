@@ -35,10 +35,11 @@ def _lying(way: str, rng: Generator) -> Array:
         )  # fmt: skip
     sign = 1.0 if way == "left" else -1.0
     bent = rng.uniform(0.1, 0.5)
+    away = sign * (-0.28 + 0.6 * bent)
     return pose(
         root=(sign * 0.5, 0.16, 0), pelvis=(0, sign * 1.5, 0), spine=(0.2 + 0.4 * bent, 0, 0), head=(0.1, 0, 0),
-        hands=(-0.25, rng.uniform(-0.6, 0.1), 0.4), hang=0.0, left_feet=(sign * (-0.28 + 0.6 * bent), 0.12 - 0.03 * sign, bent - 0.05),
-        right_feet=(sign * (-0.28 + 0.6 * bent), 0.12 + 0.03 * sign, bent + 0.02), foot_pitch=-0.4, foot_yaw=0.0,
+        hands=(-0.25, rng.uniform(-0.6, 0.1), 0.4), hang=0.0, foot_pitch=-0.4,
+        left_feet=(away, 0.12 - 0.03 * sign, bent - 0.05), right_feet=(away, 0.12 + 0.03 * sign, bent + 0.02),
         left_foot_yaw=-sign * 0.6, right_foot_yaw=-sign * 0.6,
     )  # fmt: skip
 

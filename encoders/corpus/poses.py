@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.random import Generator
 from numpy.typing import ArrayLike
 
-from encoders.corpus import keyframes
+from encoders.corpus import inbetween
 from encoders.corpus.curves import ANKLE, BODY, Array, Curves, ease, standing
+from encoders.corpus.scene import Step
+from encoders.corpus.style import Manner
+from encoders.corpus.timing import duration
 from encoders.motion import FPS
 
 _FIELDS = ("root", "pelvis", "spine", "head")
@@ -54,7 +58,7 @@ def through(frames: int, poses: Sequence[tuple[float, Array]]) -> Array:
     """
     times = np.array([time for time, _ in poses])
     rows = np.stack([row for _, row in poses])
-    return keyframes.through(np.linspace(0.0, 1.0, frames), times, rows)
+    return inbetween.through(np.linspace(0.0, 1.0, frames), times, rows)
 
 
 def perform(frames: int, poses: Sequence[tuple[float, Array]], parts: frozenset[str] = BODY) -> Curves:
@@ -67,3 +71,31 @@ def perform(frames: int, poses: Sequence[tuple[float, Array]], parts: frozenset[
 
 
 STANDING = pose()
+
+
+def waver(frames: int, rng: Generator, hertz: tuple[float, float]) -> Array:
+    """A slow irregular wave (F,) of about unit size."""
+    time = np.arange(frames) / FPS
+    waves = [np.sin(2 * np.pi * (rng.uniform(*hertz) * time + rng.random())) for _ in range(2)]
+    return np.asarray(sum(waves)) / 1.4
+
+
+def repeated(frames: int, count: int, rng: Generator, *, down: float = 0.35, up: float = 0.35) -> Array:
+    """0 to 1 and back `count` times, (F,)."""
+    local = (np.arange(frames) * count / frames) % 1.0
+    return ease(local / (down * rng.uniform(0.8, 1.2))) * ease((1 - local) / (up * rng.uniform(0.8, 1.2)))
+
+
+def down_and_up(
+    step: Step, manner: Manner, rng: Generator, frames: int, low: Array, *, seconds: float, stay: float = 0.2
+) -> Curves:
+    """Into a pose and out of it, `step.count` times; named once, it is sometimes kept."""
+    count = step.count or 1
+    frames = duration(seconds * count, step, manner, rng, frames)
+    if count == 1 and rng.random() < stay:
+        return perform(frames, [(0.05, STANDING), (rng.uniform(0.4, 0.7), low), (1.0, low)])
+    keys = [(0.02, STANDING)]
+    for i in range(count):
+        half = rng.uniform(0.05, 0.3) / 2
+        keys += [((i + 0.5 - half) / count, low), ((i + 0.5 + half) / count, low), ((i + 0.98) / count, STANDING)]
+    return perform(frames, keys)

@@ -26,9 +26,12 @@ Make = Callable[[Step, Manner, Generator, int], Curves]
 #: Modules that register programs when imported; one that is not there yet is passed over.
 MODULES = (
     "locomotion",
+    "turning",
+    "unsteady",
     "jumps",
     "climbing",
     "posture",
+    "bending",
     "floor",
     "acrobatics",
     "gestures",

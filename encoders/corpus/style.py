@@ -106,8 +106,8 @@ _STYLE_ROWS = np.array([[style.get(field, 0.0) for field in _FIELDS] for style i
 #: How performers differ by themselves, standard deviation by field.
 _INDIVIDUAL = Manner(
     pace=0.12, stride=0.12, swing=0.4, sway=0.35, bounce=0.25, twist=0.35, width=0.3, reach=0.15, bend=0.09, tilt=0.07,
-    nod=0.12, roll=0.03, toes=0.12, shrug=0.05, elbow=0.2, apart=0.06, raised=0.06, ahead=0.05, crouch=0.012, lift=0.015,
-    wander=0.008, tremble=0.0005, jerk=0.05, limp=0.04,
+    nod=0.12, roll=0.03, toes=0.12, shrug=0.05, elbow=0.2, apart=0.06, raised=0.06, ahead=0.05, crouch=0.012,
+    lift=0.015, wander=0.008, tremble=0.0005, jerk=0.05, limp=0.04,
 )  # fmt: skip
 _INDIVIDUAL_ROW = np.array([getattr(_INDIVIDUAL, field) for field in _FIELDS])
 

@@ -17,7 +17,7 @@ from encoders.skeleton import INDEX, PARENTS
 
 PROGRAMS = programs()
 OWN = sorted(n for n, p in PROGRAMS.items() if p.make.__module__.rpartition(".")[2] in {
-    "locomotion", "jumps", "climbing", "posture", "floor", "acrobatics"})  # fmt: skip
+    "locomotion", "turning", "unsteady", "jumps", "climbing", "posture", "bending", "floor", "acrobatics"})  # fmt: skip
 
 
 def plain(*groups: Step | tuple[Step, ...], seed: int = 0) -> Clip:
@@ -170,7 +170,7 @@ def test_mirrored_curves_are_the_mirrored_motion() -> None:
     curves = act_scene(
         Scene(((Step("lunge", side="left"),), (Step("turn", direction="left"),))), np.random.default_rng(1)
     )
-    mirrored = Motion(pose(curves, OFFSETS)).mirror().joints
+    mirrored = Motion(pose(curves, OFFSETS).astype(np.float32)).mirror().joints
     np.testing.assert_allclose(pose(curves.mirrored(), OFFSETS), mirrored, atol=1e-5)
     arm = Curves(standing(4).data, [(0, 4)], frozenset({"left_arm"}))
     assert arm.mirrored().parts == {"right_arm"}
