@@ -79,6 +79,19 @@ def build(figure: Figure, scale: float, calibration: Calibration) -> Array:
     return joints
 
 
+def rebuild(joints: Array, scale: float) -> Array:
+    """The 22 joints (T, 22, 3) of another body with the target skeleton's bone lengths, all directions kept.
+
+    `scale` is metres in a unit of the joints.
+    """
+    rebuilt = np.empty_like(joints)
+    rebuilt[:, 0] = joints[:, 0] * scale
+    for at in range(1, len(JOINTS)):
+        parent = PARENTS[at]
+        rebuilt[:, at] = rebuilt[:, parent] + unit(joints[:, at] - joints[:, parent]) * BONE_LENGTHS[at]
+    return rebuilt
+
+
 def _turned(directions: Array, local: Array, fix: Array) -> Array:
     """Directions (T, 3) turned by a rotation (3, 3) given in local frames (T, 3, 3)."""
     turned: Array = (local @ fix @ local.swapaxes(-1, -2) @ directions[..., None])[..., 0]

@@ -29,6 +29,11 @@ class Figure:
     def of(cls, positions: Array, rig: RigMap) -> Figure:
         """The landmarks among joint positions (T, J, 3); a missing neck or head is placed from the other."""
         marks = {name: positions[:, joint] for name, joint in rig.joints.items()}
+        for side in SIDES:
+            if f"{side}_toe" in marks and _is_one(marks[f"{side}_toe"], marks[f"{side}_ankle"]):
+                del marks[f"{side}_toe"]
+        if "neck" in marks and "head" in marks and _is_one(marks["neck"], marks["head"]):
+            del marks["neck"]
         shoulders = (marks["left_shoulder"] + marks["right_shoulder"]) / 2
         if "neck" not in marks:
             marks["neck"] = shoulders + (marks["head"] - shoulders) * 0.3
@@ -48,16 +53,7 @@ class Figure:
 
     def sampled(self, at: Array) -> Figure:
         """The figure at times counted in frames, interpolated linearly."""
-        low = np.minimum(at.astype(np.int64), len(self) - 1)
-        high = np.minimum(low + 1, len(self) - 1)
-        weight = (at - low)[:, None]
-
-        def mix(track: Array) -> Array:
-            share = weight if track.ndim == 2 else weight[..., None]
-            mixed: Array = track[low] * (1 - share) + track[high] * share
-            return mixed
-
-        return Figure({name: mix(place) for name, place in self.marks.items()}, mix(self.spine))
+        return Figure({name: sampled(place, at) for name, place in self.marks.items()}, sampled(self.spine, at))
 
     def middle(self, joint: str) -> Array:
         """Point (T, 3) between the left and the right one."""
@@ -82,3 +78,17 @@ class Figure:
     def points(self) -> Array:
         """All landmarks as (T, L, 3)."""
         return np.stack(list(self.marks.values()), axis=1)
+
+
+def _is_one(a: Array, b: Array) -> bool:
+    """Are two tracks (T, 3) the same?"""
+    return bool(np.allclose(a, b, rtol=0, atol=1e-6 * max(float(np.abs(a).max()), 1e-9)))
+
+
+def sampled(track: Array, at: Array) -> Array:
+    """A track (T, ...) at times counted in frames, interpolated linearly."""
+    low = np.minimum(at.astype(np.int64), len(track) - 1)
+    high = np.minimum(low + 1, len(track) - 1)
+    share = (at - low).reshape(-1, *[1] * (track.ndim - 1))
+    mixed: Array = track[low] * (1 - share) + track[high] * share
+    return mixed

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from os import PathLike
 
 import numpy as np
@@ -9,11 +10,11 @@ from numpy.typing import NDArray
 
 from encoders.errors import UnreadableMotion
 from encoders.motion import FPS, Motion
-from encoders.skeleton import BONE_LENGTHS, INDEX
+from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS
 from indexer.axes import orientation
-from indexer.body import build
+from indexer.body import ARM, LEG, build, rebuild
 from indexer.calibration import calibrate
-from indexer.figure import Figure
+from indexer.figure import Figure, sampled
 from indexer.geometry import angle_between
 from indexer.mapping import SIDES, map_rig
 from indexer.readers.take import Take
@@ -23,6 +24,11 @@ LEG_LENGTH = float(
     sum(BONE_LENGTHS[INDEX[f"{side}_{joint}"]] for side in ("left", "right") for joint in ("knee", "ankle")) / 2
 )
 
+#: Longer takes are wrong about their frame rate, or should be cut.
+MAX_HOURS = 12
+
+#: Share of a leg's length below which two joints are one.
+_POINT = 1e-3
 #: Mean way of a landmark from the hips, in leg lengths, below which a pose is the same.
 _STILL = 0.03
 #: Mean speed of all landmarks, in leg lengths a second, that is no movement: out of rest, and at all.
@@ -58,18 +64,40 @@ def retarget(
     """
     rig = map_rig(take, path, joint_map)
     rate = fps or take.fps or FPS
+    _check_duration(path, len(take.positions) / rate)
     figure, rest = Figure.of(take.positions, rig), Figure.of(take.rest[None], rig)
     posing = frames_before_movement(figure, rest, rate)
     if posing:
         figure, rest = figure[posing:], figure[:1]
-    figure = figure.sampled(_grid(len(figure), rate))
-    length = figure.leg_length()
-    if not length > 0:
-        raise UnreadableMotion(path, "the legs have no length")
-    figure = figure.transformed(orientation(figure, rest))
-    joints = build(figure, LEG_LENGTH / length, calibrate(figure, rest))
+    _check_bones(path, figure)
+    at = _grid(len(figure), rate)
+    figure = figure.sampled(at)
+    matrix = orientation(figure, rest)
+    scale = LEG_LENGTH / figure.leg_length()
+    if take.names == JOINTS and not joint_map:
+        joints = rebuild(sampled(take.positions[posing:], at) @ matrix.T, scale)
+    else:
+        joints = build(figure.transformed(matrix), scale, calibrate(figure.transformed(matrix), rest))
     joints[..., 1] -= joints[..., 1].min()
+    if not np.isfinite(joints).all():
+        raise UnreadableMotion(path, "its values are too large to be places of joints")
     return Motion(joints.astype(np.float32), FPS)
+
+
+def _check_duration(path: str | PathLike[str], seconds: float) -> None:
+    if not 0 < seconds <= MAX_HOURS * 3600:
+        raise UnreadableMotion(path, f"it would last {seconds / 3600:.3g} hours; give the true frame rate with fps")
+
+
+def _check_bones(path: str | PathLike[str], figure: Figure) -> None:
+    """Every limb must have a length, and hips and shoulders a width, for directions to mean anything."""
+    size = figure.leg_length()
+    pairs = [(f"{side}_{a}", f"{side}_{b}") for side in SIDES for limb in (LEG, ARM) for a, b in pairwise(limb)]
+    pairs += [("left_hip", "right_hip"), ("left_shoulder", "right_shoulder")]
+    flat = [pair for pair in pairs if not np.median(np.linalg.norm(figure.bone(*pair), axis=-1)) > _POINT * size]
+    if not np.isfinite(size) or flat:
+        a, b = flat[0] if flat else pairs[0]
+        raise UnreadableMotion(path, f"{a} and {b} are at the same place: this skeleton has no body's shape")
 
 
 def _grid(frames: int, rate: float) -> NDArray[np.float64]:

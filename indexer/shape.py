@@ -19,6 +19,7 @@ from indexer.tree import ancestry, children, meeting
 
 _LIKENESS = 0.25  # how far bones of a pair may differ in length, as a share
 _NEARLY = 0.8  # as a share of the longest
+_TIP = 1.3  # how much longer than the bone before a head's is, at least
 _FRAMES = 200  # enough to tell the sides and what bends
 
 
@@ -137,9 +138,10 @@ def _head(take: Take, top: int, arms: list[int], low: int, lengths: Array) -> di
     if not kids:
         return {}
     chain = max((chains[kid] for kid in kids), key=lambda way: float(lengths[way].sum()))
-    if len(chain) == 1:
-        return {"head": chain[0]}
-    return {"neck": chain[0], "head": chain[max(len(chain) - 2, 1)]}  # beyond the head: its tip, an eye
+    is_tip = len(chain) > 2 and lengths[chain[-1]] > _TIP * lengths[chain[-2]]  # skulls are longer than necks
+    if len(chain) > 1 and (is_tip or take.names[chain[-1]].endswith("_end")):
+        chain = chain[:-1]
+    return {"neck": chain[0], "head": chain[-1]} if len(chain) > 1 else {"head": chain[0]}
 
 
 def _sides(positions: Array, marks: list[dict[str, int]], head: int) -> tuple[str, str]:

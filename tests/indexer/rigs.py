@@ -30,7 +30,8 @@ RIGS = {
     "mixamo": Rig(
         "mixamorig:Hips mixamorig:Spine mixamorig:Spine1 mixamorig:Spine2",
         "n:mixamorig:Neck d:mixamorig:Head -:mixamorig:HeadTop_End",
-        "h:mixamorig:LeftUpLeg k:mixamorig:LeftLeg a:mixamorig:LeftFoot t:mixamorig:LeftToeBase -:mixamorig:LeftToe_End",
+        "h:mixamorig:LeftUpLeg k:mixamorig:LeftLeg a:mixamorig:LeftFoot t:mixamorig:LeftToeBase"
+        " -:mixamorig:LeftToe_End",
         "c:mixamorig:LeftShoulder s:mixamorig:LeftArm e:mixamorig:LeftForeArm w:mixamorig:LeftHand"
         " x:mixamorig:LeftHandThumb1 -:mixamorig:LeftHandIndex1 -:mixamorig:LeftHandIndex2",
         ("Left", "Right"),
@@ -74,7 +75,8 @@ RIGS = {
         "root spine05 spine04 spine03 spine02 spine01",
         "n:neck01 -:neck02 -:neck03 d:head x:jaw x:tongue00",
         "-:pelvis.L h:upperleg01.L -:upperleg02.L k:lowerleg01.L -:lowerleg02.L a:foot.L t:toe1-1.L",
-        "c:clavicle.L -:shoulder01.L s:upperarm01.L -:upperarm02.L e:lowerarm01.L -:lowerarm02.L w:wrist.L -:finger1-1.L",
+        "c:clavicle.L -:shoulder01.L s:upperarm01.L -:upperarm02.L e:lowerarm01.L -:lowerarm02.L w:wrist.L"
+        " -:finger1-1.L",
         (".L", ".R"),
     ),
     "xsens": Rig(
@@ -230,7 +232,8 @@ RIGS = {
         "Character1_Hips Character1_Spine Character1_Spine1",
         "n:Character1_Neck d:Character1_Head",
         "h:Character1_LeftUpLeg k:Character1_LeftLeg a:Character1_LeftFoot t:Character1_LeftToeBase",
-        "c:Character1_LeftShoulder s:Character1_LeftArm e:Character1_LeftForeArm x:L_Radius_RIGMESH w:Character1_LeftHand",
+        "c:Character1_LeftShoulder s:Character1_LeftArm e:Character1_LeftForeArm x:L_Radius_RIGMESH"
+        " w:Character1_LeftHand",
         ("Left", "Right"),
     ),
 }
@@ -275,8 +278,8 @@ def standing(rig: Rig) -> np.ndarray:
     names, parents, marks = tree(rig)
     where = {
         "hip": (0.1, 0.9, 0.0), "knee": (0.1, 0.5, 0.02), "ankle": (0.1, 0.08, 0.0), "toe": (0.1, 0.02, 0.13),
-        "collar": (0.05, 1.4, 0.0), "shoulder": (0.18, 1.42, 0.0), "elbow": (0.45, 1.42, -0.01), "wrist": (0.7, 1.42, 0.0),
-        "neck": (0.0, 1.5, 0.0), "head": (0.0, 1.6, 0.02),
+        "collar": (0.05, 1.4, 0.0), "shoulder": (0.18, 1.42, 0.0), "elbow": (0.45, 1.42, -0.01),
+        "wrist": (0.7, 1.42, 0.0), "neck": (0.0, 1.5, 0.0), "head": (0.0, 1.6, 0.02),
     }  # fmt: skip
     trunk = len(rig.trunk.split())
     places = np.full((len(names), 3), np.nan)
@@ -297,5 +300,5 @@ def _between(joint: int, parents: list[int], places: np.ndarray) -> np.ndarray:
     while np.isnan(places[below]).any() and below in parents[below:]:
         below = parents.index(below, below)
     if np.isnan(places[below]).any():
-        return start + [0.0, -0.01, 0.02]
+        return start + np.array([0.0, -0.01, 0.02])
     return (start + places[below]) / 2
