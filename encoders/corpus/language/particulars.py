@@ -7,86 +7,33 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from encoders.corpus.language.lexicon import modifiers
+from encoders.corpus.language.normal import patterns
 from encoders.corpus.language.words import NUMBER_VALUES
 
 _HIS = r"(?:the|his|her|their|its|there|own|a|one'?s?)"
-_WAY = rf"(?:to|toward|on|over to|off to|in) (?:{_HIS} )?"
-_LIMB = r"(hand|arm|leg|foot|feet|knee|elbow|shoulder|fist|palm|wrist|finger|hip|thigh|ankle|ear|forearm|index finger|heel|toe)"
-_SINGULAR = {"feet": "foot", "index finger": "finger"}
-_NUMBER = r"(\d+|" + "|".join(NUMBER_VALUES) + ")"
-
-# (pattern, field, value); "{1}" is the pattern's first group. Taken out in this order.
-_TABLE: tuple[tuple[str, str, str], ...] = (
-    (r"\b(?:in )?(?:a )?(?:\w+ )?(?:half|semi|quarter|three quarter|u|s)[ -]?(?:circle|shape|turn|moon|oval)\b.*", "unsure", ""),
-    (rf"\b(?:forward )?(?:and )?(?:diagonally|diagonal|at an? (?:slight )?(?:angle|diagonal)),? (?:forward )?(?:and )?(?:{_WAY}|{_HIS} )?(left|right)(?: side)?\b",
-     "direction", "forward-{1}"),
-    (rf"\bforward,? (?:and )?(?:slightly )?(?:{_WAY})?(left|right)(?: side| diagonally| diagonal| direction)?\b", "direction", "forward-{1}"),
-    (rf"\b{_WAY}(?:front |forward )(left|right)\b", "direction", "forward-{1}"),
-    (rf"\bbackward,? (?:and )?(?:{_WAY})(left|right)(?: side)?\b", "direction", "backward-{1}"),
-    (r"\b(?:around )?in (?:a )?(?:\w+ )?(clockwise|counterclockwise) (?:circle|direction|motion|fashion|manner|circular motion|way|pattern|rotation|circles|arc|loop|circular path)\b",
-     "direction", "{1}"),
-    (r"\b(?:around )?(?:in )?(?:a )?(?:(?:small|large|big|wide|full|complete|whole|tight) )?(?:circle|circles|circular (?:motion|path|pattern|direction|fashion|manner)),? (?:in (?:a )?)?(clockwise|counterclockwise)(?: direction)?\b",
-     "direction", "{1}"),
-    (r"\b(clockwise|counterclockwise)(?: direction)?(?: (?:around )?in (?:a )?(?:\w+ )?circles?)?\b", "direction", "{1}"),
-    (r"\b(?:around )?in (?:a )?(?:(?:small|large|big|wide|full|complete|whole|tight) )?(?:circle|circles|circular (?:motion|path|pattern|direction|fashion|manner))(?: around(?: the room)?)?\b",
-     "direction", "around"),
-    (r"\b(?:in )?(?:a )?zigzag\b", "direction", "zigzag"),
-    (r"\bbackandforth\b", "direction", "back and forth"),
-    (r"\bsidetoside\b", "direction", "side to side"),
-    (r"\binplace\b", "direction", "in place"),
-    (rf"\b{_WAY}(left|right)(?: side| direction)?(?! {_LIMB})\b", "direction", "{1}"),
-    (rf"\b(left|right)(?:ward)?(?: direction)?(?! ?-?(?:handed)?\s?{_LIMB})(?:wards?)?\b(?! hand| arm| leg| foot| and left| and right)", "direction", "{1}"),
-    (r"\b(?:directly |straight )?(?:forward|ahead|onward)(?: in (?:a |an )?(?:\w+ )?(?:straight )?(?:line|path|direction|manner))?(?: straight)?\b", "direction", "forward"),
-    (r"\b(?:in )?(?:a )?(?:\w+ )?(?:straight|forward) (?:line|path|direction)(?: forward)?\b", "direction", "forward"),
-    (r"\b(?:straight )?(?:backward|in reverse)(?: in (?:a )?(?:straight )?(?:line|path|direction))?\b", "direction", "backward"),
-    (r"\b(?:(?:in |at )?(?:a )?(?:very |really |quite )?(?:slow|leisurely|relaxed)(?: and steady)?(?: walking)? (?:pace|speed|motion|manner|walk|jog|rate|tempo))\b", "speed", "slow"),
-    (r"\b(?:(?:very|really|quite|somewhat|more) )?(?:slowly|slow|leisurely|unhurriedly|gradually)\b", "speed", "slow"),
-    (r"\b(?:(?:in |at )?(?:a )?(?:very |really )?(?:fast|quick|brisk|rapid|high|hurried|quickened)(?: walking| running)? (?:pace|speed|motion|manner|rate|tempo|fashion))\b", "speed", "fast"),
-    (r"\b(?:(?:very|really|quite|more) )?(?:quickly|rapidly|fast|fastly|briskly|swiftly|hurriedly|speedily|in a hurry|hastily|faster)\b", "speed", "fast"),
-    (r"\b(?:in |at |with )?(?:a |an )?(?:normal|moderate|steady|medium|regular|average|constant|even|comfortable|standard|good)(?: walking| jogging| running)? (?:pace|speed|rate|tempo|gait|manner|stride|walk|fashion|way)\b", "nothing", ""),
-    (r"\b(?:normally|regularly|steadily|simply|simultaneously|at the same time|once more|for (?:a |the )?(?:moment|second|while|bit|few seconds|some time|short time|few moments|short while)|briefly|momentarily|all the way)\b", "nothing", ""),
-    (rf"\b{_NUMBER} (?:full )?(?:times?|reps|repetitions)\b", "count", "{1}"),
-    (r"\bonce\b", "count", "1"),
-    (r"\btwice\b", "count", "2"),
-    (r"\b(?:a few|several|multiple|many|a couple(?: of)?|some|various|numerous) (?:more )?times\b|\brepeatedly\b|\bcontinuously\b|\bover and over(?: again)?\b", "several", ""),
-    (r"\b(?:a )?(?:few|several|some|couple(?: of)?|multiple|many|number of|series of) (?:\w+ )?(?:steps|paces|strides|feet)\b", "nothing", ""),
-    (r"\b(?:up )?(?:high )?(?:above|over) (?:\w+ )?(?:head|heads)\b|\boverhead\b|\bup high\b|\bhigh(?: up)?(?: in(?:to)? the air)?\b", "height", "high"),
-    (r"\b(?:up )?(?:to|at|about|until|till|near|around|from) (?:\w+ )?(?:shoulder|chest|waist|stomach|belly|hip|torso)(?: |-)?(?:height|level|length)\b|\b(?:shoulder|chest|waist)(?: |-)?(?:height|level|high)\b", "height", "middle"),
-    (r"\b(?:from|off|on|to|onto|at|near|toward)(?: of)? (?:the )?(?:floor|ground)\b", "height", "low"),
-    (r"\b(?:from|off|on|onto|at)(?: of)? (?:a |the |his |her |their )?(?:table|counter|desk|bench)\b", "height", "middle"),
-    (r"\b(?:from|off|on|onto|at)(?: of)? (?:a |the |his |her |their )?(?:high |top |upper )?(?:shelf|rack|cabinet|cupboard)\b", "height", "high"),
-    (r"\b(?:very )?(?:slightly|a bit|a little bit|a little|lightly|just a bit|somewhat)\b", "amplitude", "small"),
-    (r"\bwidely\b|\bwith (?:big|large|long|wide) (?:steps|strides|movements|motions)\b", "amplitude", "large"),
-    (r"\bwith (?:small|short|little|tiny) (?:steps|strides|movements|motions)\b", "amplitude", "small"),
-    (r"\b(?:while |and )?(?:with |swinging )?(?:his|her|their|the|both)?\s?(?:arms|hands) (?:by|at|to|on|down at|down by|hanging by|loosely at) (?:his|her|their|the|its) sides?\b", "nothing", ""),
-    (r"\b(?:in front of|before) (?:him|her|them|it|the)?\s?(?:self|selves|body|person|chest)\b|\b(?:out )?in front\b", "front", ""),
-    (r"\bin(?:to)? the air\b", "nothing", ""),
-    (r"\bacross (?:the |a )?(?:room|floor|area)\b", "nothing", ""),
-)  # fmt: skip
-_PATTERNS = tuple((re.compile(pattern), name, value) for pattern, name, value in _TABLE)
-_LIMBS = re.compile(
-    rf"\b(with |using |by |on )?((?:{_HIS} |both |each |of |left |right |left-handed |right-handed |extended |outstretched )*){_LIMB}(s?)\b(?! (?:level|height))"
+_LIMB = (
+    r"(hand|arm|leg|foot|feet|knee|elbow|shoulder|fist|palm|wrist|finger|hip|thigh|ankle|ear|forearm|index finger|heel"
+    r"|toe)"
 )
-_STYLE_WORDS = {
-    "casually": "relaxed", "confidently": "confident", "happily": "happy", "angrily": "angry", "sadly": "sad",
-    "proudly": "proud", "drunkenly": "drunk", "stealthily": "sneaking", "sneakily": "sneaking", "energetically": "energetic",
-    "gracefully": "elegant", "elegantly": "elegant", "cheerfully": "happy", "joyfully": "happy", "nervously": "scared",
-    "excitedly": "energetic", "tiredly": "tired", "aggressively": "angry", "robotically": "robotic", "stiffly": "robotic",
-    "shyly": "shy", "playfully": "childlike", "vigorously": "energetic", "calmly": "relaxed", "with a limp": "limping",
-    "with confidence": "confident", "as if drunk": "drunk", "like a drunk": "drunk", "like a robot": "robotic",
-    "like a zombie": "zombie", "like an old man": "old", "like an old person": "old", "like a model": "feminine",
-    "like a drunk person": "drunk", "in a casual manner": "relaxed", "in a relaxed manner": "relaxed",
-    "as if injured": "injured", "as if in pain": "injured", "as if tired": "tired", "as if angry": "angry",
-    "as if scared": "scared", "with swagger": "cool", "with a swagger": "cool", "like he is drunk": "drunk",
-    "like they are drunk": "drunk", "as if they are drunk": "drunk", "as if he is drunk": "drunk", "as if sad": "sad",
-    "in a drunken manner": "drunk", "in a zombie like manner": "zombie", "in a confident manner": "confident",
-    "as if limping": "limping", "while limping": "limping", "in a robotic manner": "robotic", "in a robotic fashion": "robotic",
-}  # fmt: skip
+_SINGULAR = {"feet": "foot", "index finger": "finger"}
+
+
+@cache
+def _patterns() -> tuple[tuple[re.Pattern[str], str, str], ...]:
+    """(pattern, field, value) in the order in which they are taken out; "{1}" is the pattern's first group."""
+    return tuple((re.compile(pattern), name, value) for pattern, name, value in patterns()["particulars"])
+
+
+_LIMBS = re.compile(
+    rf"\b(with |using |by |on )?"
+    rf"((?:{_HIS} |both |each |of |left |right |left-handed |right-handed |extended |outstretched )*)"
+    rf"{_LIMB}(s?)\b(?! (?:level|height))"
+)
 
 
 @cache
 def _styles() -> tuple[tuple[re.Pattern[str], str], ...]:
-    ways = dict(_STYLE_WORDS)
+    ways = dict(patterns()["styles"])
     for style, places in modifiers()["style"].items():
         for way in [*places.get("adverb", []), *places.get("after", [])]:
             if "{" not in way:
@@ -159,7 +106,7 @@ def take_particulars(clause: str) -> Particulars:
             text = pattern.sub(" ", text, count=1)
             found.fields["style"] = style
     text = _take_limbs(text, found)
-    for pattern, name, value in _PATTERNS:
+    for pattern, name, value in _patterns():
         match = pattern.search(text)
         if match is None:
             continue

@@ -73,6 +73,10 @@ def _needs_met(need: str, clause: str, found: Particulars, context: Context) -> 
         "direction": "direction" in found.fields,
         "oneleg": one and "both" not in sides,
         "both": "both" in sides,
+        "nodirection": found.fields.get("direction", "forward") == "forward",
+        "leftright": found.fields.get("direction") in ("left", "right"),
+        "around": found.fields.get("direction") in ("around", "clockwise", "counterclockwise", "forward", "backward"),
+        "diagonal": found.fields.get("direction", "forward") in ("forward", "left", "right"),
         "front": found.front or found.fields.get("direction") == "forward",
         "nosideboth": "both" not in sides[:1],
         "nofoot": all(limb not in ("foot", "leg", "knee", "elbow") for limb, _ in found.limbs),
@@ -119,6 +123,11 @@ def _legal(action: str, fields: dict[str, str], found: Particulars) -> Step | No
     program = programs().get(action)
     if program is None:
         return None
+    if fields.get("need") == "diagonal":
+        way = found.fields.get("direction", "")
+        found.fields["direction"] = "forward-right" if way == "right" else "forward-left"
+    if fields.get("need") == "around" and found.fields["direction"] in ("around", "clockwise", "counterclockwise"):
+        del found.fields["direction"]  # which way round is not what the program calls a direction
     found.fields |= {name: value for name, value in fields.items() if name not in ("need", "arm", "spin", "lying")}
     count, direction, side = _count(found, program), _direction(found, program), _side(found, program)
     if count is None or direction is None or side is None:

@@ -8,7 +8,7 @@ scene: precision counts, since the sentence becomes a caption of the acted-out m
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from encoders.corpus.language.normal import drop_auxiliaries, drop_subject, normalise
 from encoders.corpus.language.particulars import take_particulars
@@ -17,7 +17,8 @@ from encoders.corpus.programs import parts_of, programs
 from encoders.corpus.scene import Scene, Step
 
 _JOINS = re.compile(
-    r"(?:^|,? )(?:and )?(then|before|after that|after|while|as (?=he|she|they|it|the)|followed by|finally|next)(?: |$)|, and |, | and "
+    r"(?:^|,? )(?:and )?(then|before|after that|after|while|as (?=he|she|they|it|the)|followed by|finally|next)(?: |$)"
+    r"|, and |, | and "
 )
 _ADVERB = re.compile(r"^((?:very |really |quite |rather )?\w+ly|slightly|briskly|casually|then|also|once again|again) ")
 _DENIED = re.compile(r"\b(?:not|without|n't|doesn't|does not|almost|nearly|instead|but|if|or|opposite|another|other)\b")
@@ -26,11 +27,25 @@ _COMES_UP = frozenset(
 )
 _RETURNS = re.compile(
     r"(?:lowers?|lowered|lowering|puts?|putting|brings?|bringing|brought|drops?|dropping|returns?|returning|lets?) "
+    r"(?:it|them|his|her|their|the|both|back|arms?|hands?|left|right|leg|foot|knee| )*"
+    r"(?:back )?(?:down|to (?:his|her|their|the) sides?)(?: again)?"
+    r"|(?:stands?|standing|straightens?|straightening|gets?|comes?|rises?|stood)(?: back)? up(?: straight)?(?: again)?"
+    r"|(?:returns?|returning|returned|goes|comes|back) (?:back )?to (?:an? |the |his |her |their )?"
+    r"(?:original|starting|start|standing|neutral|resting|initial|normal|upright|rest)(?: standing)?"
+    r"(?: position| pose| stance| posture)?"
+)
+_UP = frozenset(
+    {"squat", "crouch", "kneel", "bend forward", "pick up", "put down", "bow", "lunge", "duck", "toe touch"}
+)
+_RETURNS = re.compile(
+    r"(?:lowers?|lowered|lowering|puts?|putting|brings?|bringing|brought|drops?|dropping|returns?|returning|lets?) "
     r"(?:it|them|his|her|their|the|both|back|arms?|hands?|left|right|leg|foot|knee| )*(?:back )?(?:down|to (?:his|her|their|the) sides?)(?: again)?"
     r"|(?:stands?|standing|straightens?|straightening|gets?|comes?|rises?|stood|stand)(?: back)? up(?: straight)?(?: again)?"
     r"|(?:returns?|returning|returned|goes|comes|back) (?:back )?to (?:an? |the |his |her |their )?(?:original|starting|start|standing|neutral|resting|initial|normal|upright|rest)(?: standing)?(?: position| pose| stance| posture)?"
 )
-_GESTURE_GROUPS = frozenset({"gesture", "object", "sport", "posture", "exercise"})
+_UP = re.compile(r"\b(?:up|standing|upright)\b")
+_RISES = {"sit": "stand up", "floor": "get up", "": "stand up"}
+_REPEATABLE = ("then", "and", ",", "next", "finally")
 
 
 @dataclass
@@ -131,20 +146,22 @@ class _Story:
 
     def add(self, step: Step, join: str) -> bool:
         """Put a step after or beside the last; False where it cannot be."""
-        action = programs()[step.action]
+        if step.action in ("stand up", "get up"):
+            if self.context.action in _COMES_UP:
+                return True
+            step = replace(step, action=_RISES.get(self.context.posture, "stand up"))
+        if self.groups and self._absorbs(step, join):
+            return True
         if self.groups and join in ("while", "as ", "and", ","):
             beside = (*self.groups[-1], step)
             parts = [parts_of(other) for other in beside]
             fits = sum(map(len, parts)) == len(frozenset().union(*parts))
             still = self.groups[-1][-1].action in ("stand", "sit")
-            if join in ("while", "as "):
+            if join in ("while", "as ") or (join == "and" and still and fits):
                 if fits:
                     self.groups[-1] = beside
                 return fits
-            if join == "and" and still and fits:
-                self.groups[-1] = beside
-                return True
-        posture = self.context.posture
+        action, posture = programs()[step.action], self.context.posture
         needs_legs = "legs" in action.parts
         if posture and action.starts != posture and not (posture == "stand" and not needs_legs):
             return False
@@ -152,6 +169,23 @@ class _Story:
             return False
         self.groups.append((step,))
         return True
+
+    def _absorbs(self, step: Step, join: str) -> bool:
+        """Whether the last step takes the new one up: one movement told as two."""
+        last = self.groups[-1][-1]
+        if step.action == "stand" and join in ("while", "as ") and programs()[last.action].starts == "stand":
+            return True  # "waves while standing"
+        if join in ("while", "as ") and step == Step("walk") and programs()[last.action].group == "locomotion":
+            return True  # "staggers while walking"
+        if last.action in ("bend forward", "squat", "crouch", "lean") and step.action in ("pick up", "put down"):
+            if step.height in ("", "low") and join in ("and", "then", ","):
+                self.groups[-1] = (*self.groups[-1][:-1], replace(step, height="low"))
+                return True
+        if last.action in ("raise arm", "raise hand") and step.action in ("wave", "salute", "point", "swat"):
+            if step.side in ("", last.side) and last.side in ("", *programs()[step.action].sides) and join == "and":
+                self.groups[-1] = (*self.groups[-1][:-1], replace(step, side=last.side))
+                return True
+        return False
 
 
 def read(sentence: str) -> Reading:
@@ -165,6 +199,8 @@ def read(sentence: str) -> Reading:
     sure = True
     for clause in clauses:
         lemma, verb, rest = _verb_and_rest(clause.words)
+        if not verb:
+            continue
         if story.groups and _RETURNS.fullmatch(drop_auxiliaries(drop_subject(clause.words))):
             reading.verbs.append((lemma or verb, True))
             last = story.groups[-1][-1].action
@@ -173,10 +209,11 @@ def read(sentence: str) -> Reading:
             )
             if comes_up:
                 continue
-        if not lemma and story.lemma and clause.join in ("then", "and", ",", "next", "finally"):
-            found = take_particulars(clause.words)  # "walks forward, then backward"
+        if (not lemma or lemma == "back") and story.lemma and clause.join in _REPEATABLE:
+            again = re.sub(r"^(?:then |and )?back (?=to the)", "", clause.words)
+            found = take_particulars(again)  # "walks forward, then backward"
             if not found.rest and found.fields:
-                lemma, rest = story.lemma, clause.words
+                lemma, rest = story.lemma, again
         found = take_particulars(rest)
         reading.verbs.append((lemma or verb, bool(lemma) and means_something(lemma, found)))
         denied = bool(_DENIED.search(clause.words)) and not re.search(
