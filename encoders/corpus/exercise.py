@@ -15,9 +15,11 @@ GROUP = "exercise"
 @acted("jumping jacks", group=GROUP, counts=(2, 10), amplitudes=SIZES, weight=3)
 def jumping_jacks(c: Cue) -> list[Key]:
     """Feet apart and arms up in one hop, together and down in the next; half of them only half as high."""
-    size, beat = c.size(0.12), c.r(0.3, 0.45)
+    size, beat = c.size(0.12), c.r(0.38, 0.62)
     wide, hop = 0.22 * min(size, 1.3), c.r(0.05, 0.12)
-    top: ArrayLike = c.about((c.r(-0.2, 0.2), 0.93, 0.08), 0.04) if c.chance(0.75) else c.about((0.95, 0.1, 0.1), 0.04)
+    top: ArrayLike = (
+        c.about((c.r(-0.2, 0.45), c.r(0.7, 0.93), 0.08), 0.04) if c.chance(0.8) else c.about((0.9, 0.15, 0.1), 0.04)
+    )
     low = c.about((0.12, -0.93, 0.1), 0.02)
     side = (0.97, -0.05, 0.08)
     keys: list[Key] = []

@@ -77,9 +77,26 @@ def accompany(curves: Curves, rng: Generator) -> None:
     """The trunk goes along with the arms: it turns behind a hand held out and leans away from a raised one."""
     ahead = curves.hands[:, RIGHT, 2] - curves.hands[:, LEFT, 2]
     above = curves.hands[:, RIGHT, 1] - curves.hands[:, LEFT, 1]
-    curves.spine[:, 2] += rng.uniform(0.0, 0.22) * ahead
+    curves.spine[:, 2] += rng.uniform(0.0, 0.25) * ahead
+    curves.pelvis[:, 2] += rng.uniform(0.0, 0.1) * ahead
     curves.spine[:, 1] += rng.uniform(0.0, 0.08) * above
     curves.head[:, 2] -= rng.uniform(0.0, 0.2) * ahead
+
+
+def take_stance(curves: Curves, rng: Generator) -> None:
+    """Stand as people do: feet more or less apart, one ahead, and the weight now here, now there."""
+    apart, stagger = rng.uniform(0.0, 0.1), rng.normal(0.0, 0.04)
+    curves.feet[:, :, 0] += [apart, -apart]
+    curves.feet[:, :, 2] += [stagger, -stagger]
+    curves.foot_yaw[:] += rng.normal(0.0, 0.12, 2)
+    knots = max(len(curves) // 30, 1) + 1
+    wander = rng.normal(0.0, 1.0, (knots, 4)) * [0.015, 0.012, 0.03, 0.04]
+    shift = through(np.linspace(0.0, 1.0, len(curves)), np.linspace(0.0, 1.0, knots), wander)
+    curves.root[:, 0] += shift[:, 0]
+    curves.root[:, 2] += shift[:, 1]
+    curves.spine[:, 1] -= 1.5 * shift[:, 0]
+    curves.spine[:, 0] += shift[:, 2]
+    curves.spine[:, 2] += shift[:, 3]
 
 
 def step_round(curves: Curves) -> None:

@@ -26,7 +26,7 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike
 
 from encoders.corpus.curves import BODY, HANGING, LEFT, RIGHT, Array, Curves, standing
-from encoders.corpus.inbetween import accompany, clear_of_body, step_round, swung, through, with_arcs
+from encoders.corpus.inbetween import accompany, clear_of_body, step_round, swung, take_stance, through, with_arcs
 from encoders.motion import FPS
 
 REST = HANGING
@@ -180,6 +180,7 @@ def play(
         _write(curves, name, through(now, times, values))
     for hand, name in ((RIGHT, "lead"), (LEFT, "off")):
         _move_hand(curves, hand, name, tracks, now, timed, rng, precise)
+    take_stance(curves, rng)
     if "heading" in tracks:
         step_round(curves)
     accompany(curves, rng)

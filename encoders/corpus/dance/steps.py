@@ -16,6 +16,8 @@ def salsa(c: Cue) -> list[Key]:
     arms = {"lead": (0.15, -0.5, 0.42), "off": (0.15, -0.45, 0.42)}
     keys = [key(0.3, **arms)]
     for _ in range(c.times(2, 4, 6 * beat)):
+        if c.chance(0.35):  # an arm is led up or out, as under a partner's
+            keys += [key(beat, lead=c.about((c.r(-0.2, 0.7), c.r(-0.2, 0.6), 0.45), 0.05))]
         for foot, way, side in (("lead_foot", 1, 1.0), ("off_foot", -1, -1.0)):
             keys += [
                 key(beat, **{foot: (0, 0, way * long)}, **sway(c, side, 1.2 * size) | {"root": (0,

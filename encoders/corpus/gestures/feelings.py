@@ -61,13 +61,19 @@ def laugh(c: Cue) -> list[Key]:
     size, beat = c.size(0.3), c.r(0.1, 0.17)
     kind = c.rng.random()
     hands: dict[str, ArrayLike] = {}
-    if kind < 0.35:
+    if kind < 0.3:
         hands = {"hands": (-0.28, -0.55, 0.33)}
-    elif kind < 0.55:
+    elif kind < 0.5:
         hands = {"lead": MOUTH}
     lean = c.r(-0.25, 0.5)
     keys = [key(0.5, **hands, spine=(lean, 0, 0), head=(-0.3 if lean < 0.1 else 0.1, 0, 0))]
     for _ in range(c.times(5, 12, 2 * beat)):
+        if kind > 0.7 and c.chance(0.25):  # throws the arms about, slaps a thigh, bends over
+            lean = c.r(-0.3, 0.8)
+            free = ((c.r(0.2, 0.7), c.r(-0.2, 0.5), 0.4), (-0.05, -0.75, 0.4))[int(c.chance(0.4))]
+            keys += [
+                key(c.r(0.25, 0.4), lead=free, off=free if c.chance(0.5) else (0.1, -0.6, 0.4), spine=(lean, 0, 0))
+            ]
         keys += [
             key(beat, spine=(lean + 0.1 * size, 0, 0), shrugs=0.15 * size),
             key(beat, spine=(lean - 0.04 * size, c.r(-0.04, 0.04), 0), shrugs=0.0),

@@ -1,5 +1,5 @@
-"""Programs that handle things: carrying, everyday life, tools, instruments; importing registers them."""
+"""Programs that handle things: carrying, gripping, everyday life, tools, instruments; importing registers them."""
 
-from encoders.corpus.objects import chores, everyday, handling, music
+from encoders.corpus.objects import chores, everyday, gripping, handling, music
 
-__all__ = ["chores", "everyday", "handling", "music"]
+__all__ = ["chores", "everyday", "gripping", "handling", "music"]

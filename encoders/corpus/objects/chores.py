@@ -47,7 +47,7 @@ def _strokes(
 
 
 _strokes("sweep", -0.6, (0.45, -0.25), (0.45, 0.5), 0.3, (0.4, 0.7))
-_strokes("mop", -0.6, (0.1, -0.1), (0.4, 0.8), 0.35, (0.4, 0.75))
+_strokes("mop", -0.65, (0.4, -0.4), (0.3, 0.55), 0.35, (0.3, 0.55))
 _strokes("vacuum", -0.65, (0.1, 0.0), (0.3, 0.8), 0.25, (0.6, 1.0))
 _strokes("rake", -0.55, (0.15, 0.1), (0.85, 0.3), 0.4, (0.5, 0.8))
 
@@ -137,7 +137,8 @@ def knead(c: Cue) -> list[Key]:
 def wipe_window(c: Cue) -> list[Key]:
     """Circles or strokes of a flat hand on an upright pane."""
     size, lap = c.size(0.25), c.r(0.7, 1.3)
-    centre = c.about((0.05, c.r(0.0, 0.4), 0.7), 0.05)
+    high = c.r(-0.3, 0.5)
+    centre = c.about((0.05, high, 0.7), 0.05)
     across, up = np.array([0.25, 0, 0]) * size, np.array([0, 0.22, 0]) * size
     turns = c.times(3, 5, lap)
     if c.chance(0.6):
@@ -146,7 +147,7 @@ def wipe_window(c: Cue) -> list[Key]:
         move = [
             k for _ in range(turns) for k in (key(lap / 2, hand=centre - across), key(lap / 2, hand=centre + across))
         ]
-    lean = {"spine": (0.1, 0, 0), "head": (-0.1, 0, 0)}
+    lean = {"spine": (0.1, 0, 0), "head": (-0.1, 0, 0), "root": (0, min(high, 0.0) * c.r(0, 0.8), 0)}
     return [key(0.6, hand=centre + across, **lean), *move, back(0.7)]
 
 

@@ -1,5 +1,5 @@
-"""Programs of ball games and fighting; importing registers them."""
+"""Programs of ball games, swings and fighting; importing registers them."""
 
-from encoders.corpus.sports import balls, combat
+from encoders.corpus.sports import balls, combat, swings
 
-__all__ = ["balls", "combat"]
+__all__ = ["balls", "combat", "swings"]

@@ -19,7 +19,7 @@ PUNCHERS = ("left", "right", "both")
 
 def _guard(c: Cue) -> dict[str, ArrayLike]:
     """Fists up before the face."""
-    up = c.r(-0.1, 0.15)
+    up = c.r(-0.5, 0.15)
     return {"lead": c.about((-0.22, up, 0.3), 0.03), "off": c.about((-0.18, up, 0.42), 0.03)}
 
 
@@ -30,7 +30,7 @@ def _stance(c: Cue) -> dict[str, ArrayLike]:
     long = c.r(0.1, 0.3)
     return {
         "off_foot": (0.03, 0.0, long * 0.6), "lead_foot": (0.06, 0.0, -long * 0.6), "root": (0.0, -c.r(0.03, 0.1), 0.0),
-        "lead_turn": 0.5, "spine": (0.1, 0, 0), "pelvis": (0.05, 0, 0.25),
+        "lead_turn": 0.5, "spine": (0.1, 0, 0), "pelvis": (0.05, 0, c.r(0.0, 0.6)),
     }  # fmt: skip
 
 
@@ -253,7 +253,7 @@ def slash(c: Cue) -> list[Key]:
     front = c.r(0.15, 0.45)
     keys = [key(0.5, c.r(0.1, 0.5), **blade((0.05, -0.35, 0.55)), root=(0, -0.04, 0), off_foot=(0.03, 0, 0.12))]
     for _ in range(c.times(1, 2)):
-        turn, fast = across * c.r(0.3, 0.7), c.r(0.1, 0.17)
+        turn, fast = across * c.r(0.3, 0.7), c.r(0.16, 0.3)
         keys += [
             key(c.r(0.3, 0.55), c.r(0.0, 0.2), **blade(start), spine=(-0.12, 0, -turn), head=(0.05, 0, turn * 0.7)),
             key(
