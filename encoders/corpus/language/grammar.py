@@ -14,8 +14,8 @@ from encoders.corpus.language.clause import Clause, choose_phrase, fill, make_cl
 from encoders.corpus.language.lexicon import modifier
 from encoders.corpus.language.sloppy import sloppy
 from encoders.corpus.language.subjects import Subject, draw_subject, nobody, with_adjective
-from encoders.corpus.language.words import plural_form
 from encoders.corpus.scene import Scene, Step
+from encoders.words import plural_form
 
 Group = tuple[Step, ...]
 _KINDS = ("sentence", "fragment", "label", "part")

@@ -34,17 +34,10 @@ _RETURNS = re.compile(
     r"(?:original|starting|start|standing|neutral|resting|initial|normal|upright|rest)(?: standing)?"
     r"(?: position| pose| stance| posture)?"
 )
-_UP = frozenset(
-    {"squat", "crouch", "kneel", "bend forward", "pick up", "put down", "bow", "lunge", "duck", "toe touch"}
-)
-_RETURNS = re.compile(
-    r"(?:lowers?|lowered|lowering|puts?|putting|brings?|bringing|brought|drops?|dropping|returns?|returning|lets?) "
-    r"(?:it|them|his|her|their|the|both|back|arms?|hands?|left|right|leg|foot|knee| )*(?:back )?(?:down|to (?:his|her|their|the) sides?)(?: again)?"
-    r"|(?:stands?|standing|straightens?|straightening|gets?|comes?|rises?|stood|stand)(?: back)? up(?: straight)?(?: again)?"
-    r"|(?:returns?|returning|returned|goes|comes|back) (?:back )?to (?:an? |the |his |her |their )?(?:original|starting|start|standing|neutral|resting|initial|normal|upright|rest)(?: standing)?(?: position| pose| stance| posture)?"
-)
 _UP = re.compile(r"\b(?:up|standing|upright)\b")
 _RISES = {"sit": "stand up", "floor": "get up", "": "stand up"}
+_BENT = ("bend forward", "squat", "crouch", "lean")
+_RAISED = ("wave", "salute", "point", "swat")
 _REPEATABLE = ("then", "and", ",", "next", "finally")
 
 
@@ -177,15 +170,17 @@ class _Story:
             return True  # "waves while standing"
         if join in ("while", "as ") and step == Step("walk") and programs()[last.action].group == "locomotion":
             return True  # "staggers while walking"
-        if last.action in ("bend forward", "squat", "crouch", "lean") and step.action in ("pick up", "put down"):
-            if step.height in ("", "low") and join in ("and", "then", ","):
-                self.groups[-1] = (*self.groups[-1][:-1], replace(step, height="low"))
-                return True
-        if last.action in ("raise arm", "raise hand") and step.action in ("wave", "salute", "point", "swat"):
-            if step.side in ("", last.side) and last.side in ("", *programs()[step.action].sides) and join == "and":
-                self.groups[-1] = (*self.groups[-1][:-1], replace(step, side=last.side))
-                return True
-        return False
+        one = step
+        if last.action in _BENT and step.action in ("pick up", "put down") and step.height in ("", "low"):
+            one = replace(step, height="low")  # "bends down and picks something up"
+        elif last.action in ("raise arm", "raise hand") and step.action in _RAISED and join == "and":
+            sides = ("", *programs()[step.action].sides)
+            if step.side in ("", last.side) and last.side in sides:
+                one = replace(step, side=last.side)  # "raises the right arm and waves"
+        if one == step:
+            return False
+        self.groups[-1] = (*self.groups[-1][:-1], one)
+        return True
 
 
 def read(sentence: str) -> Reading:

@@ -13,21 +13,25 @@ from functools import cache
 
 from encoders.corpus.language.lexicon import FOLDER
 from encoders.corpus.language.particulars import Particulars
-from encoders.corpus.language.words import gerund, past, third_person
 from encoders.corpus.programs import Program, programs
 from encoders.corpus.scene import Step
+from encoders.words import gerund, past, third_person
 
 _PARTICIPLES = {
     "raise": ["risen"], "rise": ["risen"], "throw": ["thrown"], "run": ["run"], "go": ["gone"], "take": ["taken"],
     "lie": ["lied", "laying"], "swing": ["swinged"], "kneel": ["kneeled"], "leap": ["leaped"], "creep": ["creeped"],
-    "jog": ["joging"], "bend": ["bended"], "throw ": [], "wave": ["waiving", "waives"], "catch": ["catchs"],
+    "jog": ["joging"], "bend": ["bended"], "wave": ["waiving", "waives"], "catch": ["catchs"],
     "crouch": ["crouchs"], "punch": ["punchs"], "sit": ["siting"], "put": ["puting"], "step": ["steping"],
 }  # fmt: skip
-_NEVER_VERBS = frozenset({"hand", "hands", "head", "back", "face", "box", "place", "bat", "rest", "light", "rock", "shoulder",
-                          "down", "right", "left", "circle", "golf", "steps", "step", "button", "iron", "row", "fish"})  # fmt: skip
+_NEVER_VERBS = frozenset(
+    {"hand", "hands", "head", "back", "face", "box", "place", "bat", "rest", "light", "rock", "shoulder", "down",
+     "right", "left", "circle", "golf", "steps", "step", "button", "iron", "row", "fish"}
+)  # fmt: skip
 _FORWARD_ANYWAY = frozenset({"forward", "in place"})  # what a movement without directions does anyway
-_ON_THE_GROUND = frozenset({"kneel", "lie down", "get up", "fall", "faint", "roll over", "crawl", "army crawl", "crouch",
-                            "push-up", "sit-up", "plank", "bend forward", "toe touch", "somersault", "stomp", "squat"})  # fmt: skip
+_ON_THE_GROUND = frozenset(
+    {"kneel", "lie down", "get up", "fall", "faint", "roll over", "crawl", "army crawl", "crouch", "push-up", "sit-up",
+     "plank", "bend forward", "toe touch", "somersault", "stomp", "squat"}
+)  # fmt: skip
 
 
 @cache

@@ -1,0 +1,38 @@
+"""Sentences that no caption may equal: queries and captions on which the model is judged."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+_LETTERS = re.compile(r"[^a-z0-9]+")
+
+
+def normal_form(sentence: str) -> str:
+    """Lower case letters and digits with single spaces: what two equal sentences share."""
+    return _LETTERS.sub(" ", sentence.lower()).strip()
+
+
+class HeldOut:
+    """Whether a sentence equals one that is held out; made from any sentences, called with one.
+
+    >>> held_out = HeldOut(["A person walks."])
+    >>> held_out("a person  walks")
+    True
+    """
+
+    def __init__(self, sentences: Iterable[str]) -> None:
+        self._forms = frozenset(filter(None, map(normal_form, sentences)))
+
+    @classmethod
+    def read(cls, *paths: Path) -> HeldOut:
+        """From text files: one sentence a line; of tab-separated lines the last column."""
+        lines = (line for path in paths for line in path.read_text(encoding="utf-8").splitlines())
+        return cls(line.split("\t")[-1] for line in lines)
+
+    def __len__(self) -> int:
+        return len(self._forms)
+
+    def __call__(self, sentence: str) -> bool:
+        return normal_form(sentence) in self._forms
