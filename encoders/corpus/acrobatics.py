@@ -8,6 +8,7 @@ from numpy.random import Generator
 from encoders.corpus.body import OFFSETS, rotation, turn
 from encoders.corpus.body import pose as pose_body
 from encoders.corpus.curves import ANKLE, HIP, Array, Curves, ease
+from encoders.corpus.joining import place
 from encoders.corpus.poses import STANDING, perform, pose
 from encoders.corpus.programs import program
 from encoders.corpus.scene import Step
@@ -105,6 +106,12 @@ def cartwheel(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves
         curves.reach[:, side] = (where, 0.07, 0.0)
         curves.reach_weight[:, side] = np.roll(down, -1 if early else 1) ** 0.7
     curves.pelvis[over >= 1.0, 1] -= sign * 2 * np.pi
+    if rng.random() < 0.7:  # from facing the way, a quarter turn in and out
+        curves = place(curves, np.zeros(3), -sign * np.pi / 2)
+        aside = sign * np.pi / 2 * (1 - ease(now / 0.25) * ease((1 - now) / 0.2))
+        curves.heading[:] += aside
+        curves.foot_yaw[:] += aside[:, None]
+    curves.pelvis[:, 0] += rng.uniform(0.0, 0.4) * np.sin(np.pi * now)
     return curves
 
 

@@ -62,8 +62,8 @@ def climb_ladder(step: Step, manner: Manner, rng: Generator, frames: int) -> Cur
     course = Course(np.stack([zero, climbed], axis=1), zero, going, phase)
     curves = standing(frames)
     keep = slice(PAD, -PAD)
-    top = rng.uniform(0.35, 0.6)
-    base = max(0.0, -float(climbed[keep].min())) + 0.25
+    top = rng.uniform(0.05, 0.55)
+    base = max(0.0, -float(climbed[keep].min())) + rng.choice([-0.1, 0.25])
     curves.root[:, 1] = 0.88 + base + climbed[keep]
     curves.root[:, 2] = 0.03 * np.sin(4 * np.pi * phase[keep])
     for side, out in ((LEFT, 1.0), (RIGHT, -1.0)):
@@ -71,15 +71,16 @@ def climb_ladder(step: Step, manner: Manner, rng: Generator, frames: int) -> Cur
         foot, _, lift = plant(course, own, 0.7, out * 0.12)
         hand, _, reach = plant(course, own + 0.5, 0.7, out * 0.2)
         curves.feet[:, side] = np.stack(
-            [foot[:, 0], base + 0.12 + foot[:, 2], 0.24 - 0.12 * np.sin(np.pi * lift)], axis=1
+            [foot[:, 0], base + 0.12 + foot[:, 2], 0.18 - 0.12 * np.sin(np.pi * lift)], axis=1
         )[keep]
         curves.reach[:, side] = np.stack(
-            [hand[:, 0], base + 0.95 + top + hand[:, 2], 0.42 - 0.1 * np.sin(np.pi * reach)], axis=1
+            [hand[:, 0], base + 0.95 + top + hand[:, 2], 0.38 - 0.1 * np.sin(np.pi * reach)], axis=1
         )[keep]
     curves.reach_weight[:] = 1.0
     curves.foot_pitch[:] = -0.1
     curves.pelvis[:, 2] = 0.06 * np.cos(2 * np.pi * phase[keep])
-    curves.pelvis[:, 0] = 0.1
+    curves.pelvis[:, 0] = rng.uniform(-0.05, 0.3)
+    curves.spine[:, 1] = 0.08 * np.cos(2 * np.pi * phase[keep])
     curves.head[:, 0] = -0.35 * sign + 0.1
     return curves
 
@@ -139,7 +140,14 @@ def _creep(
 ) -> tuple[Course, Array, Gait]:
     frames = frames or int(rng.uniform(3.0, 6.0) * FPS)
     gait = Gait(speed=speed, cadence=rate)
-    course, gait = travel(step, gait, replace(manner, limp=0.0), rng, frames, effort(frames, rng, rest=0.3))
+    course, gait = travel(
+        step,
+        gait,
+        replace(manner, limp=0.0, stride=min(manner.stride, 0.0)),
+        rng,
+        frames,
+        effort(frames, rng, rest=0.3),
+    )
     return course, course.phase, gait
 
 

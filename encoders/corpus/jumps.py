@@ -57,7 +57,8 @@ def _jumps(
     depth = rng.uniform(0.14, 0.28)
     sink = ease(crouch) * (1 - ease(rise)) + 0.75 * ease(land / 0.35) * (1 - ease((land - 0.35) / 0.65)) * (air >= 1)
     up = height * 4 * air * (1 - air)
-    gone = number + ease(0.12 * ease(rise) + 0.88 * air)
+    # The hips lead at take-off and trail the feet at landing.
+    gone = number + 0.22 * ease(rise) + 0.6 * air + 0.18 * ease(land / 0.5) * (air >= 1)
     turned = angle * (number + ease(air))
     landed = number + ease((air - 0.1) / 0.8)
     start = angle * np.arange(count + 1)
@@ -80,10 +81,11 @@ def _jumps(
         curves.feet[:, side, 1] = ANKLE + up + tuck * np.sin(np.pi * air) + 0.09 * toes
         curves.foot_pitch[:, side] = -0.8 * toes
     curves.foot_yaw[:] += turned[:, None]
-    curves.spine[:, 0] = 0.45 * sink
-    curves.pelvis[:, 0] = 0.4 * sink
-    curves.head[:, 0] = -0.45 * sink
-    lift = rng.uniform(0.8, 2.6) * float(np.clip(manner.factor("reach"), 0.5, 1.3))
+    bow = rng.uniform(0.25, 0.8) * sink
+    curves.spine[:, 0] = 0.5 * bow
+    curves.pelvis[:, 0] = 0.5 * bow
+    curves.head[:, 0] = -0.5 * bow
+    lift = rng.choice([rng.uniform(0.2, 1.0), rng.uniform(0.8, 2.6)]) * float(np.clip(manner.factor("reach"), 0.5, 1.3))
     swing = -rng.uniform(0.3, 1.0) * ease(crouch) * (1 - ease(rise * 0.9)) + lift * ease(rise) * (1 - ease(land + 0.35))
     swing_arms(curves, swing[:, None] + np.zeros(2), np.full((frames, 2), rng.uniform(0.3, 0.7)), 0.16)
     return curves
@@ -92,7 +94,7 @@ def _jumps(
 _RISE = {
     "low": (0.05, 0.12),
     "small": (0.05, 0.12),
-    "": (0.15, 0.35),
+    "": (0.09, 0.3),
     "middle": (0.15, 0.3),
     "large": (0.35, 0.5),
     "high": (0.35, 0.5),
