@@ -32,14 +32,15 @@ _LIMBS = re.compile(
 
 
 @cache
-def _styles() -> tuple[tuple[re.Pattern[str], str], ...]:
-    ways = dict(patterns()["styles"])
+def _styles() -> tuple[re.Pattern[str], dict[str, str]]:
+    """What says a style, as one pattern with the longest wording first, and wording -> style."""
+    ways: dict[str, str] = dict(patterns()["styles"])
     for style, places in modifiers()["style"].items():
         for way in [*places.get("adverb", []), *places.get("after", [])]:
             if "{" not in way:
                 ways.setdefault(way, style)
     longest_first = sorted(ways, key=len, reverse=True)
-    return tuple((re.compile(rf"\b{re.escape(way)}\b"), ways[way]) for way in longest_first)
+    return re.compile(rf"\b(?:{'|'.join(map(re.escape, longest_first))})\b"), ways
 
 
 @dataclass
@@ -101,10 +102,10 @@ def take_particulars(clause: str) -> Particulars:
     """The particulars of a normalised clause without its subject and verb."""
     found = Particulars()
     text = f" {clause} "
-    for pattern, style in _styles():
-        if pattern.search(text):
-            text = pattern.sub(" ", text, count=1)
-            found.fields["style"] = style
+    says_style, styles = _styles()
+    for way in says_style.findall(text):
+        found.fields["style"] = styles[way]
+    text = says_style.sub(" ", text)
     text = _take_limbs(text, found)
     for pattern, name, value in _patterns():
         match = pattern.search(text)

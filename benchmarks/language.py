@@ -1,0 +1,70 @@
+"""Print how well the corpus's language matches what people write.
+
+    python benchmarks/language.py FILE ... [--captions 5000] [--sentences 5000]
+
+FILE: human sentences, one a line. For each: the share whose verbs the corpus can act out, the share read completely,
+the verbs missing most often. Then words a sentence and vocabulary of our captions against theirs, and phrasings an
+action.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import statistics
+from pathlib import Path
+
+import numpy as np
+
+from encoders.corpus.language import captions, random_scene
+from encoders.corpus.language.measure import (
+    coverage,
+    phrasings_of_actions,
+    vocabulary_shared,
+    words_of,
+    words_per_sentence,
+)
+from encoders.corpus.programs import programs
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", nargs="+", type=Path, help="human sentences, one a line")
+    parser.add_argument("--captions", type=int, default=5000, help="captions of ours to write")
+    parser.add_argument("--sentences", type=int, default=5000, help="human sentences to read of each file; 0: all")
+    return parser.parse_args()
+
+
+def _made_captions(count: int) -> list[str]:
+    rng = np.random.default_rng(0)
+    return [text for _ in range(count // 4) for text in captions(random_scene(rng), rng, 4)]
+
+
+def main() -> None:
+    """Measure and print."""
+    arguments = _arguments()
+    ours = _made_captions(arguments.captions)
+    our_words = words_of(ours)
+    for path in arguments.files:
+        theirs = [line.strip() for line in path.read_text(encoding="utf-8").splitlines() if line.strip()]
+        their_words = words_of(theirs)
+        shown = (
+            random.Random(0).sample(theirs, arguments.sentences) if 0 < arguments.sentences < len(theirs) else theirs
+        )
+        found = coverage(shown)
+        print(f"{path.name}: {len(theirs)} sentences, {found.sentences} read")
+        print(f"  main verbs can all be acted out  {found.verbs_known:6.1%}")
+        print(f"  understood completely            {found.read:6.1%}")
+        print(f"  words a sentence    theirs {words_per_sentence(theirs):5.1f}   ours {words_per_sentence(ours):5.1f}")
+        print(f"  different words     theirs {len(their_words):5d}   ours {len(our_words):5d} in {len(ours)} captions")
+        print(f"  their running words that ours use  {vocabulary_shared(our_words, their_words):6.1%}")
+        print("  missing verbs:", ", ".join(f"{verb} {count}" for verb, count in found.missing.most_common(40)))
+    counts = phrasings_of_actions()
+    values = sorted(counts.values())
+    many, most = (sum(value >= least for value in values) for least in (30, 60))
+    print(f"phrasings: {len(counts)} actions for {len(programs())} programs, median {statistics.median(values):.0f}")
+    print(f"  fewest {min(values)}, 30 and more for {many}, 60 and more for {most}")
+
+
+if __name__ == "__main__":
+    main()
