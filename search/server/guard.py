@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hmac
 import ipaddress
+import re
 from collections.abc import Iterable
 from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qs, urlencode, urlsplit
@@ -20,6 +21,8 @@ _ANYWHERE = ("0.0.0.0", "::", "")
 
 #: Answered without a token: says nothing of the library, and monitors ask it.
 _OPEN = "/healthz"
+
+_HOST = re.compile(r"(\[(?P<address>[0-9a-fA-F:.]+)\]|(?P<name>[^\s:/?#@\[\]\\]+))(:\d+)?")
 
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; "
@@ -89,10 +92,8 @@ class Guard:
 
     def _knows(self, host: str) -> bool:
         """Whether a Host header names this server: another name means that a DNS entry was pointed here."""
-        try:
-            name = (urlsplit(f"//{host}").hostname or "").lower()
-        except ValueError:
-            return False
+        found = _HOST.fullmatch(host)
+        name = (found["address"] or found["name"]).lower() if found else ""
         return name in self._names or (self._any_address and _is_address(name))
 
     def _carries_token(self, headers: Headers) -> bool:

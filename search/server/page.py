@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path, PurePosixPath
 
+from starlette.exceptions import HTTPException
 from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
@@ -34,12 +35,16 @@ class Page(StaticFiles):
 
     def __init__(self, folder: Path = FOLDER) -> None:
         super().__init__(directory=folder, html=True, check_dir=False)
-        self._missing = not folder.is_dir()
+
+    async def check_config(self) -> None:
+        """Nothing: without its folder, there are no such pages."""
 
     async def get_response(self, path: str, scope: Scope) -> Response:
         """See `StaticFiles.get_response`."""
+        if scope["method"] not in ("GET", "HEAD"):
+            raise HTTPException(405, "pages are read with GET", {"Allow": "GET, HEAD"})
         kind = TYPES.get(PurePosixPath("index.html" if path == "." else path).suffix)
-        if kind is None or "\0" in path or self._missing:
+        if kind is None or "\0" in path:
             raise Refused(404, "there is no such page")
         response = await super().get_response(path, scope)
         response.headers["Cache-Control"] = "no-cache"

@@ -27,7 +27,7 @@ def filters(
     max_duration: Annotated[float | None, _Seconds] = None,
     path: Annotated[str | None, Query(max_length=500)] = None,
     rig: Annotated[str | None, Query(max_length=200)] = None,
-    format: Annotated[str | None, Query(max_length=20)] = None,
+    format: Annotated[str | None, Query(max_length=200)] = None,
     captioned: bool | None = None,
 ) -> dict[str, Any]:
     """The filters that were given, as `SearchableLibrary` takes them."""

@@ -59,10 +59,9 @@ class ServedLibrary(SearchableLibrary):
     def __init__(self, folder: Path, *, bundle: Bundle | None = None) -> None:
         super().__init__(folder, bundle=bundle)
         self._trouble: MotionSeekError | None = None
-        self._ids: Cache[Ids] = Cache(64)
-        self._clips: Cache[Clip] = Cache(20_000)
-        self._captions: Cache[list[Caption]] = Cache(20_000)
-        self._described: Cache[tuple[list[str], Ids, Vectors]] = Cache(1)
+        self._held_ids: Cache[Ids] = Cache(64)
+        self._held_clips: Cache[Clip] = Cache(20_000)
+        self._held_captions: Cache[list[Caption]] = Cache(20_000)
         self._snapshot = self._look()
         self._stop = threading.Event()
         self._watcher = threading.Thread(target=self._watch, daemon=True, name="watching the library")
@@ -136,26 +135,22 @@ class ServedLibrary(SearchableLibrary):
     def ids(self, where: str = "", values: Sequence[Any] = ()) -> Ids:
         """See `Library.ids`."""
         key = (self.snapshot.generation, where, tuple(values))
-        return self._ids.get_or(key, lambda: super(ServedLibrary, self).ids(where, values))
+        return self._held_ids.get_or(key, lambda: super(ServedLibrary, self).ids(where, values))
 
     def clips(self, ids: Iterable[int]) -> dict[int, Clip]:
         """See `Library.clips`."""
         generation = self.snapshot.generation
-        held = {int(i): self._clips.get((generation, int(i))) for i in ids}
+        held = {int(i): self._held_clips.get((generation, int(i))) for i in ids}
         new = super().clips([i for i, clip in held.items() if clip is None])
         for i, clip in new.items():
-            self._clips.put((generation, i), clip)
+            self._held_clips.put((generation, i), clip)
         found = {i: new.get(i) if clip is None else clip for i, clip in held.items()}
         return {i: clip for i, clip in found.items() if clip is not None}
 
     def captions(self, id: int) -> list[Caption]:
         """See `Library.captions`."""
         key = (self.snapshot.generation, int(id))
-        return self._captions.get_or(key, lambda: super(ServedLibrary, self).captions(id))
-
-    def caption_vectors(self) -> tuple[list[str], Ids, Vectors]:
-        """See `Library.caption_vectors`."""
-        return self._described.get_or(self.snapshot.generation, super().caption_vectors)
+        return self._held_captions.get_or(key, lambda: super(ServedLibrary, self).captions(id))
 
     def source(self, ref: Ref | Source) -> Source:
         """See `SearchableLibrary.source`; a source is itself."""

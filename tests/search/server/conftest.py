@@ -1,0 +1,70 @@
+"""A served library and somebody who asks it."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("fastapi")
+pytest.importorskip("httpx")
+
+from starlette.testclient import TestClient
+
+from encoders.bundle import Bundle
+from search.server.app import create_app
+from search.server.served import ServedLibrary
+
+Asked = Callable[..., Any]
+
+
+@pytest.fixture(scope="session")
+def bundle(tiny_bundle: Path) -> Bundle:
+    """The tiny model."""
+    return Bundle.load(tiny_bundle, threads=1)
+
+
+@pytest.fixture(scope="session")
+def client(indexed: Path, bundle: Bundle) -> Iterator[TestClient]:
+    """Asks the server of the indexed takes. The library is not to be changed."""
+    app = create_app(ServedLibrary.open(indexed, bundle=bundle))
+    with TestClient(app, base_url="http://127.0.0.1:8420") as asking:
+        yield asking
+
+
+@pytest.fixture
+def served(indexed: Path, bundle: Bundle, tmp_path: Path) -> Iterator[Callable[..., TestClient]]:
+    """Makes further servers, each of a copy of the indexed takes in `tmp_path / "takes"`."""
+    with ExitStack() as stack:
+
+        def make(**options: Any) -> TestClient:
+            folder = tmp_path / "takes"
+            if not folder.exists():
+                shutil.copytree(indexed, folder)
+            app = create_app(ServedLibrary.open(folder, bundle=bundle), **options)
+            return stack.enter_context(TestClient(app, base_url="http://127.0.0.1:8420"))
+
+        yield make
+
+
+@pytest.fixture(scope="session")
+def ask(client: TestClient) -> Asked:
+    """The JSON of a good answer."""
+
+    def asked(url: str, **parameters: Any) -> Any:
+        response = client.get(url, params=parameters)
+        assert response.status_code == 200, response.text
+        return response.json()
+
+    return asked
+
+
+@pytest.fixture(scope="session")
+def number(ask: Asked) -> Callable[[str], int]:
+    """A clip's number by its path."""
+    by_path = {motion["path"]: motion["clip"] for motion in ask("/api/motions")["motions"]}
+    return lambda path: int(by_path[path])
