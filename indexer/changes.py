@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from hashlib import blake2b
 from pathlib import Path
 
+from indexer.recipe import Asked
 from indexer.scan import File, Folder
 from indexer.writer import INDEXED, Known, Source, Writer
-
-#: Grows when files come to be read differently than before, so that all are read again.
-READING = 1
 
 
 @dataclass
@@ -22,7 +18,7 @@ class Changes:
 
     Attributes
     ----------
-    read : list of (Source, fps)
+    read : list of Source
         New and changed files.
     unreadable : list of (Source, reason)
         Files that cannot even be opened.
@@ -36,7 +32,7 @@ class Changes:
         Files as they were, and how many of them could not be read.
     """
 
-    read: list[tuple[Source, float | None]] = field(default_factory=list)
+    read: list[Source] = field(default_factory=list)
     unreadable: list[tuple[Source, str]] = field(default_factory=list)
     moved: list[tuple[int, int, File]] = field(default_factory=list)
     touched: list[tuple[int, File]] = field(default_factory=list)
@@ -45,62 +41,53 @@ class Changes:
     failed_before: int = 0
 
 
-def recipe(fps: float | None, joint_map: Mapping[str, str]) -> str:
-    """What besides a file's content decides the motion it gives, as one short word."""
-    said = json.dumps([READING, fps, sorted(joint_map.items())])
-    return blake2b(said.encode(), digest_size=8).hexdigest()
-
-
 def compare(
     writer: Writer,
     root: Path,
     root_id: int,
     folders: list[Folder],
     motions: list[File],
-    *,
-    fps: float | None,
+    asked: Asked,
     rates: Mapping[str, float],
-    joint_map: Mapping[str, str],
-    retry: bool,
 ) -> Changes:
     """Hold the motions found under a root against what the library knows; changes nothing.
 
     Parameters
     ----------
-    fps : float or None
-        The frame rate asked for.
+    asked : Asked
+        How files are to be read.
     rates : mapping
-        Path -> frame rate stated by a captions table, which goes before `fps`.
-    retry : bool
-        Read unchanged files again that could not be read.
+        Path -> frame rate stated by a captions table, which goes before the one asked for.
     """
     changes = Changes()
     known = writer.known(root_id)
     found = {file.path for file in motions}
     taken: set[int] = set()
     for file in motions:
-        rate = rates.get(file.path, fps)
-        made = recipe(rate, joint_map)
+        rate = rates.get(file.path)
         old = known.get(file.path)
-        again = old is None or old.recipe != made or (retry and old.state != INDEXED)
+        recipe = asked.recipe(rate, None if old is None else old.recipe)
+        again = old is None or old.recipe != recipe or (asked.retry and old.state != INDEXED)
         if old is not None and not again and (old.size, old.mtime_ns) == (file.size, file.mtime_ns):
             changes.unchanged += 1
             changes.failed_before += old.state != INDEXED
             continue
         try:
-            source = Source(root_id, file, file.hash(root), made)
+            source = Source(root_id, file, file.hash(root), recipe)
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
-            changes.unreadable.append((Source(root_id, file, "", made), reason))
+            changes.unreadable.append((Source(root_id, file, "", recipe), reason))
             continue
         if old is not None and not again and old.hash == source.hash:
             changes.touched.append((old.id, file))
             changes.unchanged += 1
             changes.failed_before += old.state != INDEXED
             continue
-        origin = None if old is not None and old.state == INDEXED else _origin(writer, source, root_id, found, taken)
+        origin = None
+        if old is None or old.state != INDEXED:
+            origin = _origin(writer, source, found, taken, asked, rate)
         if origin is None:
-            changes.read.append((source, rate))
+            changes.read.append(source)
         else:
             taken.add(origin)
             changes.moved.append((origin, root_id, file))
@@ -111,12 +98,14 @@ def compare(
     return changes
 
 
-def _origin(writer: Writer, source: Source, root_id: int, found: set[str], taken: set[int]) -> int | None:
-    """The file that this one was: of the same content, read in the same way, and not there any more."""
-    for file_id, other_root, path, state in writer.same_content(source.hash, source.recipe):
-        if file_id in taken:
+def _origin(
+    writer: Writer, source: Source, found: set[str], taken: set[int], asked: Asked, rate: float | None
+) -> int | None:
+    """The file that this one was: of the same content, to be read as it was, and not there any more."""
+    for file_id, root_id, path, state, recipe in writer.same_content(source.hash):
+        if file_id in taken or asked.recipe(rate, recipe) != recipe:
             continue
-        elsewhere = other_root != root_id and not os.path.lexists(writer.root_path(other_root) / path)
-        if state != INDEXED or elsewhere or (other_root == root_id and path not in found):
+        here = root_id == source.root_id
+        if state != INDEXED or (path not in found if here else not os.path.lexists(writer.root_path(root_id) / path)):
             return file_id
     return None

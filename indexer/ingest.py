@@ -18,6 +18,7 @@ from indexer.encode import encode
 from indexer.library import FILE, FOLDER, Library
 from indexer.pool import Read, Request, read_all
 from indexer.readers import READABLE
+from indexer.recipe import Asked
 from indexer.reencode import reencode
 from indexer.scan import walk
 from indexer.side_files import Synced
@@ -104,9 +105,10 @@ def index(
     jobs : int, optional
         Processes that read; by default one a core.
     fps : float, optional
-        Frame rate of the files, where they say none or a wrong one; a captions table's goes before it.
+        Frame rate of the files, where they say none or a wrong one; a captions table's goes before it. Remembered
+        for each file, as is `joint_map`: files indexed otherwise before are read again, and later runs need not say it.
     joint_map : mapping, optional
-        Target joint to joint name in the files.
+        Target joint to joint name in the files; for those that have all these joints.
     retry : bool
         Read unchanged files again that could not be read before.
     progress : callable, optional
@@ -133,11 +135,8 @@ def index(
         synced: dict[int, Synced] = {}
         requests: list[Request[_Task]] = []
         for key, folder in keys.items():
-            synced[key], changes = _look(writer, folder, key, fps, dict(joint_map or {}), retry, summary)
-            requests += [
-                Request(_Task(folder, source), folder / source.file.path, rate, dict(joint_map or {}))
-                for source, rate in changes.read
-            ]
+            synced[key], changes = _look(writer, folder, key, Asked(fps, joint_map, retry), summary)
+            requests += [_request(folder, source) for source in changes.read]
         _read_and_encode(writer, bundle, model_id, requests, jobs or os.cpu_count() or 1, summary, progress)
         for key, folder in keys.items():
             summary.warnings += side_files.unmatched(writer.connection, folder, synced[key])
@@ -168,15 +167,12 @@ def _places(
     return place.resolve(), folders
 
 
-def _look(
-    writer: Writer,
-    root: Path,
-    root_id: int,
-    fps: float | None,
-    joint_map: Mapping[str, str],
-    retry: bool,
-    summary: Summary,
-) -> tuple[Synced, Changes]:
+def _request(root: Path, source: Source) -> Request[_Task]:
+    recipe = source.recipe
+    return Request(_Task(root, source), root / source.file.path, recipe.fps, dict(recipe.joint_map) or None)
+
+
+def _look(writer: Writer, root: Path, root_id: int, asked: Asked, summary: Summary) -> tuple[Synced, Changes]:
     """Walk one folder; captions, moves and losses are noted at once, what is to be read is returned."""
     try:
         folders = list(walk(root, summary.warnings.append))
@@ -188,17 +184,9 @@ def _look(
     beside = [pair for folder in folders for pair in folder.side_files(motions[folder.path])]
     with writer.batch():
         synced = side_files.sync(writer.connection, root, root_id, beside, summary.warnings.append)
-        changes = compare(
-            writer,
-            root,
-            root_id,
-            folders,
-            [file for files in motions.values() for file in files],
-            fps=fps,
-            rates=side_files.rates(writer.connection, root_id, synced),
-            joint_map=joint_map,
-            retry=retry,
-        )
+        rates = side_files.rates(writer.connection, root_id, synced)
+        found = [file for files in motions.values() for file in files]
+        changes = compare(writer, root, root_id, folders, found, asked, rates)
         writer.note(changes)
         side_files.forget(writer.connection, synced.vanished)
     summary.unchanged += changes.unchanged

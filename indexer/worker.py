@@ -26,6 +26,8 @@ READY = b"ready\n"
 def read(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tuple[Motion, str]:
     """A file's motion and its rig: root joint, number of joints and four digits that tell namings apart.
 
+    A joint map that names joints which the file does not have is for other files: it is left aside.
+
     Raises
     ------
     UnreadableMotion
@@ -34,7 +36,13 @@ def read(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tupl
     take = read_take(path, fps=fps)
     digest = blake2b("\0".join(take.names).encode("utf-8", "replace"), digest_size=2).hexdigest()
     rig = f"{take.names[0]}-{len(take.names)}-{digest}" if take.names else ""
-    return retarget(take, path=path, joint_map=joint_map), rig
+    foreign = [name for name in (joint_map or {}).values() if name not in take.names]
+    try:
+        return retarget(take, path=path, joint_map=None if foreign else joint_map), rig
+    except UnreadableMotion as error:
+        if not foreign:
+            raise
+        raise UnreadableMotion(path, f"{error.reason} (the joint map given names {foreign[0]!r}, not in it)") from None
 
 
 def serve(target: str = "indexer.worker:read") -> None:

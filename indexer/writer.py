@@ -16,6 +16,7 @@ from encoders.motion import Motion
 from indexer import poses, schema
 from indexer.encode import Encoded
 from indexer.lock import write_lock
+from indexer.recipe import Recipe
 from indexer.scan import File
 from indexer.side_files import attach
 
@@ -35,7 +36,7 @@ class Known:
     size: int
     mtime_ns: int
     hash: str
-    recipe: str
+    recipe: Recipe
     state: str
 
 
@@ -46,7 +47,7 @@ class Source:
     root_id: int
     file: File
     hash: str
-    recipe: str
+    recipe: Recipe
 
 
 class Writer:
@@ -123,7 +124,10 @@ class Writer:
             "SELECT id, path, size, mtime_ns, hash, recipe, state FROM files WHERE root_id = ? AND state != ?",
             (root_id, GONE),
         )
-        return {row[1]: Known(*row) for row in rows}
+        return {
+            path: Known(file_id, path, size, mtime_ns, digest, Recipe.of(recipe), state)
+            for file_id, path, size, mtime_ns, digest, recipe, state in rows
+        }
 
     def note(self, changes: Changes) -> None:
         """All changes but those that ask for a file to be read."""
@@ -185,12 +189,13 @@ class Writer:
             self.connection.execute("UPDATE files SET state = ? WHERE id = ?", (GONE, file_id))
             self.connection.execute("UPDATE clips SET generation = ? WHERE file_id = ?", (self._generation, file_id))
 
-    def same_content(self, digest: str, recipe: str) -> list[tuple[int, int, str, str]]:
-        """Indexed or gone files of that content, read in the same way: id, root id, path, state."""
-        return self.connection.execute(
-            "SELECT id, root_id, path, state FROM files WHERE hash = ? AND recipe = ? AND state != ? ORDER BY id",
-            (digest, recipe, FAILED),
-        ).fetchall()
+    def same_content(self, digest: str) -> list[tuple[int, int, str, str, Recipe]]:
+        """Indexed or gone files of that content: id, root id, path, state, recipe."""
+        rows = self.connection.execute(
+            "SELECT id, root_id, path, state, recipe FROM files WHERE hash = ? AND state != ? ORDER BY id",
+            (digest, FAILED),
+        )
+        return [(*row[:4], Recipe.of(row[4])) for row in rows]
 
     def switch_model(self, model_id: int) -> None:
         """Answer with the vectors of that model; those of others, and clips that are gone, are dropped."""
@@ -225,7 +230,7 @@ class Writer:
             return int(cursor.lastrowid or 0)
         db.execute(
             "UPDATE files SET size = ?, mtime_ns = ?, hash = ?, recipe = ? WHERE id = ?",
-            (source.file.size, source.file.mtime_ns, source.hash, source.recipe, row[1]),
+            (source.file.size, source.file.mtime_ns, source.hash, source.recipe.text(), row[1]),
         )
         db.execute(
             "UPDATE clips SET name = ?, format = ?, rig = ?, fps = ?, frames = ?, duration = ?, generation = ? "
@@ -242,7 +247,7 @@ class Writer:
         cursor = db.execute(
             "INSERT INTO files(root_id, path, size, mtime_ns, hash, recipe, state, reason) "
             "VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
-            (source.root_id, file.path, file.size, file.mtime_ns, source.hash, source.recipe, state, reason),
+            (source.root_id, file.path, file.size, file.mtime_ns, source.hash, source.recipe.text(), state, reason),
         )
         return int(cursor.lastrowid or 0)
 

@@ -12,7 +12,7 @@ import pytest
 
 from encoders.errors import BundleMismatch, LibraryError
 from encoders.motion import Motion
-from indexer import changes, ingest, side_files
+from indexer import ingest, recipe, side_files
 from indexer.ingest import index, reencode
 from indexer.library import FOLDER, Caption, Library
 from indexer.lock import write_lock
@@ -318,6 +318,20 @@ def test_the_frame_rate_of_a_table_goes_before_the_one_asked_for(root, bundle, r
     assert read_here == ["day 1/c.npy"]
 
 
+def test_what_was_said_of_files_need_not_be_said_again(root, bundle, read_here):
+    index(root, bundle=bundle, fps=10, joint_map={"head": "Kopf"})
+    read_here.clear()
+    (root / "a.npy").rename(root / "moved.npy")
+    assert counts(index(root, bundle=bundle)) == (0, 2, 1, 0, 0)
+    write(root / "b.npy", 12)
+    assert counts(index(root, bundle=bundle)) == (1, 2, 0, 0, 0)
+    with Library.open(root, bundle=bundle) as library:
+        assert library.find("b").duration == pytest.approx(8, abs=0.1)
+    assert counts(index(root, bundle=bundle, fps=20)) == (3, 0, 0, 0, 0)
+    assert counts(index(root, bundle=bundle, joint_map={})) == (3, 0, 0, 0, 0)
+    assert counts(index(root, bundle=bundle)) == (0, 3, 0, 0, 0)
+
+
 def test_several_folders_share_a_library(root, bundle, tmp_path):
     other = write(tmp_path / "other" / "a.npy", 30).parent
     with pytest.raises(LibraryError, match="2 folders need one library; name it with --library DIR"):
@@ -471,7 +485,7 @@ def test_reencoding_that_is_cut_off_leaves_the_old_answers_and_goes_on(root, bun
 def test_files_are_read_again_when_reading_has_changed(root, bundle, read_here, monkeypatch):
     index(root, bundle=bundle)
     before = paths(root)
-    monkeypatch.setattr(changes, "READING", 99)
+    monkeypatch.setattr(recipe, "READING", 99)
     assert counts(index(root, bundle=bundle)) == (3, 0, 0, 0, 0)
     assert paths(root) == before
 

@@ -73,7 +73,7 @@ def test_a_file_that_hangs_is_given_up():
     found = read(["hang", "1"], patience=1.0)
     assert found["hang"].reason == "reading took more than 1 s and was ended"
     assert found["1"].motion is not None
-    assert time.monotonic() - began < 10
+    assert time.monotonic() - began < 50  # it would hang for 60
 
 
 def test_what_a_reader_prints_does_no_harm():
@@ -100,7 +100,7 @@ def test_leaving_early_ends_the_processes():
     reading = read_all(requests, 2, target="tests.indexer.test_pool:misbehave")
     next(reading)
     reading.close()
-    assert time.monotonic() - began < 10
+    assert time.monotonic() - began < 50  # it would hang for 60
 
 
 def test_nothing_in_the_working_directory_is_imported(tmp_path, monkeypatch):
@@ -119,3 +119,9 @@ def test_processes_that_cannot_start_are_an_error_and_no_files_fault(monkeypatch
     monkeypatch.setattr("sys.executable", "/nowhere/python")
     with pytest.raises(MotionSeekError, match="cannot be started"):
         list(read_all([Request(1, Path("/nowhere/1"))], 1))
+
+
+def test_a_joint_map_for_other_rigs_is_left_aside(tmp_path):
+    path = write(tmp_path / "a.npy", 1)
+    found = dict(read_all([Request("a", path, joint_map={"head": "Kopf"})], 1))["a"]
+    assert found.motion is not None
