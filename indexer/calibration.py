@@ -128,6 +128,8 @@ def standing_axes(rest: Figure) -> Array | None:
 def _nearest_axis(direction: Array) -> Array | None:
     """The axis within a few degrees of a direction."""
     direction = unit(direction)
+    if not direction.any():
+        return None
     at = int(np.argmax(np.abs(direction)))
     axis = np.zeros(3)
     axis[at] = np.sign(direction[at])

@@ -16,7 +16,8 @@ def unit(vectors: Array) -> Array:
 
 def angle_between(a: Array, b: Array) -> Array:
     """Angle (...,) in degrees between vectors (..., 3)."""
-    return np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), (a * b).sum(-1)))
+    angle: Array = np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), (a * b).sum(-1)))
+    return angle
 
 
 def frames(across: Array, up: Array) -> Array:

@@ -35,6 +35,7 @@ _STILL = 0.03
 _RUSH = 1.5, 5.0
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what becomes of absurd values is checked
 def retarget(
     take: Take,
     *,
@@ -77,7 +78,8 @@ def retarget(
     if take.names == JOINTS and not joint_map:
         joints = rebuild(sampled(take.positions[posing:], at) @ matrix.T, scale)
     else:
-        joints = build(figure.transformed(matrix), scale, calibrate(figure.transformed(matrix), rest))
+        figure, rest = figure.transformed(matrix), rest.transformed(matrix)
+        joints = build(figure, scale, calibrate(figure, rest))
     joints[..., 1] -= joints[..., 1].min()
     if not np.isfinite(joints).all():
         raise UnreadableMotion(path, "its values are too large to be places of joints")
@@ -103,7 +105,8 @@ def _check_bones(path: str | PathLike[str], figure: Figure) -> None:
 def _grid(frames: int, rate: float) -> NDArray[np.float64]:
     """Times of the 20 fps grid, counted in frames of the file."""
     count = int(np.floor((frames - 1) * FPS / rate + 1e-6)) + 1
-    return np.arange(count) * (rate / FPS)
+    at: NDArray[np.float64] = np.arange(count) * (rate / FPS)
+    return at
 
 
 def frames_before_movement(figure: Figure, rest: Figure, rate: float) -> int:

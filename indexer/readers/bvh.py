@@ -72,7 +72,7 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
     if fps is None:
         if not (np.isfinite(frame_time) and 1e-5 < frame_time <= 10):
             raise UnreadableMotion(path, f"Frame Time {frame_time:g} is no frame rate; give the true one with fps")
-        fps = 1 / frame_time
+        fps = _rate(frame_time)
     frames = _frames(path, data, numbers, sum(len(joint.channels) for joint in joints), count)
     return _take(joints, frames, fps)
 
@@ -86,7 +86,8 @@ def _hierarchy(path: str | PathLike[str], header: bytes) -> list[_Joint]:
     stack: list[int] = []
     waiting: int | None = None
     at = start.end()
-    while text[at:].strip(" \t\r\n,;"):
+    end = len(text.rstrip(" \t\r\n,;"))
+    while at < end:
         token = _TOKEN.match(text, at)
         if token is None:
             raise UnreadableMotion(path, f"the hierarchy cannot be read at {_place(text, at)}")
@@ -154,6 +155,12 @@ def _motion_header(path: str | PathLike[str], data: bytes, at: int) -> tuple[int
         raise UnreadableMotion(path, "the MOTION section names no Frame Time")
     count = int(frames["count"]) if frames else None
     return count, float(time["time"]), at + time.end()
+
+
+def _rate(frame_time: float) -> float:
+    """Frames a second; a whole number where the few digits that frame times are written with allow it."""
+    fps = 1 / frame_time
+    return float(round(fps)) if abs(round(fps) - fps) < 3e-4 * fps else fps
 
 
 def _frames(

@@ -24,7 +24,9 @@ class Pose(NamedTuple):
 
     def place(self, local: NDArray[np.float64]) -> NDArray[np.float64]:
         """World position (3, T) of a point (3,) or (3, T) given in this frame."""
-        return self.position + sum(axis * local[k] for k, axis in enumerate(self.axes))
+        x, y, z = self.axes
+        placed: NDArray[np.float64] = self.position + x * local[0] + y * local[1] + z * local[2]
+        return placed
 
 
 def turn(axes: Axes, axis: int, angle: NDArray[np.float64]) -> Axes:

@@ -60,7 +60,7 @@ def load_array(path: str | PathLike[str], data: bytes) -> NDArray[np.float64]:
     if need > len(data) - stream.tell():
         raise UnreadableMotion(path, f"the array is cut short: shape {shape} needs {need} bytes")
     stream.seek(0)
-    array = np.load(stream, allow_pickle=False).astype(np.float64)
+    array: NDArray[np.float64] = np.load(stream, allow_pickle=False).astype(np.float64)
     if not np.isfinite(array).all():
         frame = int(np.argwhere(~np.isfinite(array))[0, 0]) + 1
         raise UnreadableMotion(path, f"frame {frame} holds values that are no numbers")

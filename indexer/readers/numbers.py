@@ -70,11 +70,17 @@ def _parse_any(text: bytes) -> NDArray[np.float64]:
     if values is not None and len(values) == len(words):
         return values
     for word in words:
-        try:
-            float(word)
-        except ValueError:
-            raise ValueError(f"{word[:40].decode('latin-1')!r} is no number") from None
+        if not _is_number(word):
+            raise ValueError(f"{word[:40].decode('latin-1')!r} is no number")
     return np.array([float(word) for word in words])
+
+
+def _is_number(word: bytes) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return b"_" not in word  # which Python would take between digits
 
 
 def _fromstring(text: bytes, dtype: type[np.generic]) -> NDArray[np.float64] | None:
@@ -82,6 +88,6 @@ def _fromstring(text: bytes, dtype: type[np.generic]) -> NDArray[np.float64] | N
     with warnings.catch_warnings():
         warnings.simplefilter("error", DeprecationWarning)
         try:
-            return np.fromstring(text, dtype=dtype, sep=" ")  # type: ignore[call-overload, no-any-return]
+            return np.fromstring(text, dtype=dtype, sep=" ")
         except (DeprecationWarning, ValueError):
             return None
