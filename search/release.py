@@ -12,10 +12,11 @@ import torch
 
 from encoders.bundle import Bundle
 from encoders.corpus.made import Made, made_clips
+from encoders.corpus.seeds import CALIBRATION
 from encoders.kinds import FEATURE_KINDS
 from encoders.tmr.export import export_bundle
 from encoders.tmr.language import LanguageModel
-from encoders.tmr.material import CALIBRATION_SEED, unrelated_sentences
+from encoders.tmr.material import unrelated_sentences
 from encoders.tmr.network import TMR
 from encoders.tmr.train import Recipe
 from search.calibrate import calibrate
@@ -68,4 +69,4 @@ def release(
 
 def calibration_clips(kind: str) -> Sequence[Made]:
     """Made clips that are in no training, validation or test set."""
-    return list(made_clips(CALIBRATION_SEED, _BACKGROUND + _ASKED, FEATURE_KINDS[kind]))
+    return list(made_clips(CALIBRATION, _BACKGROUND + _ASKED, FEATURE_KINDS[kind]))

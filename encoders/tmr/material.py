@@ -14,13 +14,12 @@ import numpy as np
 from encoders.corpus.facts import facts
 from encoders.corpus.made import made_clips
 from encoders.corpus.real import CaptionedTake, real_clips
+from encoders.corpus.seeds import TRAINING
 from encoders.corpus.unrelated import unrelated_sentence
 from encoders.kinds import FEATURE_KINDS, FeatureKind
 from encoders.tmr.data import Pair, PairStore
 
 SHARD = 2500
-#: Seeds of made clips: training counts up from 0, the others stay clear of it.
-VALIDATION_SEED, TEST_SEED, CALIBRATION_SEED = 1_000_000, 2_000_000, 3_000_000
 
 
 def normalised(sentence: str) -> str:
@@ -45,7 +44,7 @@ def made_stores(
     sentences: Sequence[str],
     held_out: frozenset[str],
     *,
-    seed: int = 0,
+    seed: int = TRAINING,
     jobs: int | None = None,
     say: Callable[[str], None] = print,
 ) -> PairStore:

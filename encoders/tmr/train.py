@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from encoders.corpus.facts import stated_by
+from encoders.kinds import FEATURE_KINDS
 from encoders.tmr import losses
 from encoders.tmr.data import PairStore, sides_conflict
 from encoders.tmr.network import TMR, Config, Encoder, Gaussian, Tower
@@ -30,10 +31,12 @@ from encoders.tmr.tokens import TokenTable, pad
 
 
 def _default_network() -> Config:
+    """The sizes of the default model: about a quarter of published TMR's, four frames a token."""
+    size = FEATURE_KINDS["body"].size
     return Config(
-        motion=Tower(features=100, width=256, layers=3, feedforward=768, frames_per_token=4),
+        motion=Tower(features=size, width=256, layers=3, feedforward=768, frames_per_token=4),
         text=Tower(features=384, width=256, layers=2, feedforward=768),
-        decoder=Tower(features=100, width=192, layers=1, feedforward=384, frames_per_token=4, dropout=0.0),
+        decoder=Tower(features=size, width=192, layers=1, feedforward=384, frames_per_token=4, dropout=0.0),
         latent=256,
     )
 
@@ -61,21 +64,21 @@ class Recipe:
     """
 
     network: Config = field(default_factory=_default_network)
-    weights: losses.Weights = field(default_factory=losses.Weights)
-    steps: int = 2000
-    batch: int = 256
+    weights: losses.Weights = field(default_factory=lambda: losses.Weights(contrastive=0.5))
+    steps: int = 2400
+    batch: int = 192
     rate: float = 1e-3
-    warmup: int = 100
+    warmup: int = 60
     decay: float = 0.02
-    real_share: float = 0.15
+    real_share: float = 0.2
     temperature: float = 0.07
     learn_temperature: bool = True
     filter: str = "facts"
     similarity: float = 0.8
     contrast: str = "infonce"
-    hard_negatives: int = 96
+    hard_negatives: int = 48
     telling: float = 0.5
-    unrelated: int = 16
+    unrelated: int = 8
     crop: float = 0.3
     noise: float = 0.03
     bias: float = 0.1

@@ -9,16 +9,22 @@ import click
 
 from search.commands import options
 from search.commands.status import shown
+from search.commands.train import release, train
 
 
 @click.group()
 def model() -> None:
-    """Look at the model.
+    """Look at the model, train one, make a bundle of it.
 
     \b
     Examples:
       motionseek model info
+      motionseek model train runs/quick --made 2000 --steps 200
     """
+
+
+model.add_command(train)
+model.add_command(release)
 
 
 @model.command()

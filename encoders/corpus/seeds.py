@@ -1,0 +1,7 @@
+"""Seeds of made clips, so that what is trained on never meets what is measured on."""
+
+#: Shards of the training corpus count up from here; the others stay clear of it.
+TRAINING = 0
+VALIDATION = 1_000_000
+TEST = 2_000_000
+CALIBRATION = 3_000_000

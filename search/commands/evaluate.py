@@ -1,0 +1,139 @@
+"""`motionseek evaluate`: how well a model finds things, on your own archive or on made motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from encoders.errors import QueryError
+from search.commands import options
+
+if TYPE_CHECKING:
+    from encoders.bundle import Bundle
+
+_PROTOCOLS = ("labels", "described", "corpus", "nonsense")
+_FILE = click.Path(path_type=Path)
+
+
+@click.command()
+@click.argument("folder", required=False, type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.option(
+    "--protocol", type=click.Choice(_PROTOCOLS), default="labels", show_default=True, help="What is measured."
+)
+@click.option("--labels", type=_FILE, default=Path("labels.tsv"), help="Table with columns path and label.")
+@click.option("--queries", type=_FILE, default=Path("queries.tsv"), help="Table with columns label and query.")
+@click.option("--captions", type=_FILE, help="JSON lines with trial, start_frame, end_frame, fps, captions, split.")
+@click.option("--split", default="val", show_default=True, help="Split of the captioned takes to ask about.")
+@click.option("--count", type=click.IntRange(64), default=4000, show_default=True, help="Made clips in the gallery.")
+@click.option("--bundle", "place", type=click.Path(exists=True, file_okay=False), help="Another model's folder.")
+@options.as_json
+def evaluate(
+    folder: Path | None,
+    protocol: str,
+    labels: Path,
+    queries: Path,
+    captions: Path | None,
+    split: str,
+    count: int,
+    place: str | None,
+    as_json: bool,
+) -> None:
+    """Score the model: on an archive of yours in FOLDER, or on motion made by rule.
+
+    labels: rank all labelled clips of FOLDER for each query of each label, by average precision.
+    described: the rank of the best file for each description in FOLDER's manifest.tsv, and for what people wrote.
+    corpus: retrieval among made clips nobody trained on. nonsense: how often sentences about other things are
+    called strong.
+
+    \b
+    Examples:
+      motionseek evaluate my_mocap/ --labels labels.tsv --queries queries.tsv
+      motionseek evaluate data/mocap --protocol described --captions captions.jsonl
+      motionseek evaluate --protocol corpus --count 1000
+    """
+    from encoders.bundle import Bundle
+
+    bundle = Bundle.load(place)
+    if protocol == "labels":
+        _labels(_needed(folder, protocol), labels, queries, bundle, as_json)
+    elif protocol == "described":
+        if captions is None:
+            raise QueryError("--protocol described needs --captions FILE")
+        _described(_needed(folder, protocol), captions, split, bundle, as_json)
+    elif protocol == "corpus":
+        _show(_corpus(count, bundle), as_json)
+    else:
+        _show({"out of domain": _nonsense(bundle)}, as_json)
+
+
+def _needed(folder: Path | None, protocol: str) -> Path:
+    if folder is None:
+        raise QueryError(f"--protocol {protocol} needs a FOLDER")
+    return folder
+
+
+def _labels(folder: Path, labels: Path, queries: Path, bundle: Bundle, as_json: bool) -> None:
+    from search import terminal
+    from search.evaluate.labels import evaluate_labels
+
+    report = evaluate_labels(folder, labels, queries, bundle)
+    if as_json:
+        terminal.document(report.as_dict())
+        return
+    for path, reason in report.unreadable:
+        terminal.note(f"left out: {path}: {reason}")
+    rows = [
+        (label, str(report.clips[label]), f"{sum(row) / len(row):.3f}", " ".join(f"{p:.3f}" for p in row))
+        for label, row in report.precisions.items()
+    ]
+    rows.append(("mean", str(sum(report.clips.values())), f"{report.mean:.3f}", ""))
+    terminal.table(("label", "clips", "mean AP", "AP of each query"), rows, right=("clips", "mean AP"))
+    terminal.note(f"motion to sentence, right among the labels at rank 1: {100 * report.top1:.1f} %")
+
+
+def _described(folder: Path, captions: Path, split: str, bundle: Bundle, as_json: bool) -> None:
+    from indexer.captioned import captioned_takes
+    from search import terminal
+    from search.evaluate.described import evaluate_described
+
+    report = evaluate_described(captioned_takes(folder, captions, split), bundle)
+    if as_json:
+        terminal.document(report.as_dict())
+        return
+    rows = [(text, str(len(row)), f"{sum(row) / len(row) + 1:.1f}") for text, row in report.ranks.items()]
+    terminal.table(("description", "sentences", "mean rank"), rows, right=("sentences", "mean rank"))
+    found = ", ".join(f"first {k}: {report.found(k):.1f} %" for k in (1, 5, 10))
+    terminal.note(f"{len(report.ranks)} descriptions, {report.files} files; best right file among the {found}")
+
+
+def _corpus(count: int, bundle: Bundle) -> dict[str, dict[str, float]]:
+    from encoders.corpus.made import made_clips
+    from encoders.corpus.seeds import TEST
+    from encoders.kinds import FEATURE_KINDS
+    from search.evaluate.corpus import evaluate_corpus
+
+    return evaluate_corpus(made_clips(TEST, count, FEATURE_KINDS[bundle.feature_kind]), bundle)
+
+
+def _nonsense(bundle: Bundle) -> dict[str, float]:
+    from encoders.corpus.made import made_clips
+    from encoders.corpus.seeds import TEST
+    from encoders.kinds import FEATURE_KINDS
+    from search.evaluate.nonsense import evaluate_nonsense
+
+    clips = made_clips(TEST, 300, FEATURE_KINDS[bundle.feature_kind])
+    return evaluate_nonsense(bundle, bundle.encode_features([clip.features for clip in clips]))
+
+
+def _show(figures: dict[str, dict[str, float]], as_json: bool) -> None:
+    from search import terminal
+
+    if as_json:
+        terminal.document(figures)
+        return
+    rows: list[tuple[str, Any]] = [
+        (name, "  ".join(f"{key} {value:.1f}" for key, value in row.items())) for name, row in figures.items()
+    ]
+    terminal.table(("", "figures"), rows)

@@ -1,0 +1,104 @@
+"""`motionseek model train` and `release`: from data to a bundle. Both need the extra `train`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
+_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+
+
+@click.command()
+@click.argument("run", type=click.Path(file_okay=False, path_type=Path))
+@click.option("--made", type=click.IntRange(1000), default=15_000, show_default=True, help="Clips made by rule.")
+@click.option("--real", type=_FOLDER, help="Folder of captioned takes with a manifest.tsv.")
+@click.option("--captions", type=_FILE, help="What people wrote about them, JSON lines.")
+@click.option("--sentences", type=_FILE, help="Human sentences to act out, one a line.")
+@click.option("--held-out", type=_FILE, multiple=True, help="File whose sentences must not become captions.")
+@click.option("--recipe", type=_FILE, help="JSON of recipe fields that differ from the default.")
+@click.option("--steps", type=click.IntRange(1), help="Training steps.")
+@click.option(
+    "--minutes", type=click.FloatRange(min=0), default=float("inf"), help="Stop after so long; run again to go on."
+)
+@click.option("--jobs", type=click.IntRange(1), help="Processes that make clips; one a core if not given.")
+def train(
+    run: Path,
+    made: int,
+    real: Path | None,
+    captions: Path | None,
+    sentences: Path | None,
+    held_out: tuple[Path, ...],
+    recipe: Path | None,
+    steps: int | None,
+    minutes: float,
+    jobs: int | None,
+) -> None:
+    """Train in the folder RUN, or go on with what is there; validated on made and real clips as it runs.
+
+    Everything that was made or computed stays in RUN, so that a stopped run loses at most the steps since its last
+    validation.
+
+    \b
+    Examples:
+      motionseek model train runs/default --real data/mocap --captions captions.jsonl --sentences sentences.txt
+      motionseek model train runs/quick --made 2000 --steps 200
+    """
+    from encoders.corpus.seeds import VALIDATION
+    from encoders.kinds import FEATURE_KINDS
+    from encoders.tmr.language import LanguageModel
+    from encoders.tmr.material import made_store, made_stores, normalised, real_store, unrelated_sentences
+    from encoders.tmr.run import prepare
+    from encoders.tmr.run import train as train_in
+    from encoders.tmr.train import Recipe
+    from indexer.captioned import captioned_takes
+
+    chosen = Recipe.from_dict(Recipe().to_dict() | (json.loads(recipe.read_text("utf-8")) if recipe else {}))
+    if steps is not None:
+        chosen = Recipe.from_dict(chosen.to_dict() | {"steps": steps})
+    kind = FEATURE_KINDS["body"]
+    banned = frozenset(normalised(text) for path in held_out for text in _sentences(path))
+    lines = [text for text in _sentences(sentences) if normalised(text) not in banned] if sentences else []
+    clips = made_stores(run, made, kind.name, lines, banned, jobs=jobs, say=click.echo)
+    validation = made_store(run / "validation.npz", VALIDATION, 1000, kind.name, (), banned)
+    stores = [
+        real_store(captioned_takes(real, captions, split), kind, varied=split == "train", held_out=banned)
+        if real and captions
+        else None
+        for split in ("train", "val")
+    ]
+    batches, validate, normaliser = prepare(
+        chosen, clips, stores[0], validation, stores[1], unrelated_sentences(600), LanguageModel.load(), run
+    )
+    train_in(run, chosen, batches, validate, normaliser, every=100, minutes=minutes, say=click.echo)
+
+
+@click.command()
+@click.argument("run", type=_FOLDER)
+@click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
+@click.option("--name", default="motionseek", show_default=True, help="The model's name.")
+@click.option("--notes", type=_FILE, help="JSON to put into the manifest as what it was trained on.")
+def release(run: Path, folder: Path, name: str, notes: Path | None) -> None:
+    """Make the bundle FOLDER of the run RUN: exported, weights in 8 bits, calibrated.
+
+    \b
+    Examples:
+      motionseek model release runs/default my_model/
+    """
+    from search.release import release as release_run
+
+    bundle = release_run(run, folder, name=name, training=json.loads(notes.read_text("utf-8")) if notes else None)
+    click.echo(f"{bundle.name} {bundle.fingerprint[:12]} in {folder}")
+
+
+def _sentences(path: Path) -> list[str]:
+    """Sentences of a text file (a line each), of a table's query column, or of captions in JSON lines not for training."""
+    lines = [line.strip() for line in path.read_text("utf-8").splitlines() if line.strip()]
+    if path.suffix == ".jsonl":
+        rows = [json.loads(line) for line in lines]
+        return [caption for row in rows if row.get("split") != "train" for caption in row["captions"]]
+    if path.suffix == ".tsv":
+        return [line.split("\t")[-1] for line in lines[1:]]
+    return lines
