@@ -25,6 +25,7 @@ COMMANDS = {
     "export": "search.commands.export",
     "serve": "search.commands.serve",
     "status": "search.commands.status",
+    "evaluate": "search.commands.evaluate",
     "model": "search.commands.model",
     "demo": "search.commands.demo",
 }

@@ -94,7 +94,7 @@ def release(run: Path, folder: Path, name: str, notes: Path | None) -> None:
 
 
 def _sentences(path: Path) -> list[str]:
-    """Sentences of a text file (a line each), of a table's query column, or of captions in JSON lines not for training."""
+    """Lines of a text file, the last column of a table, or the captions in JSON lines that are not for training."""
     lines = [line.strip() for line in path.read_text("utf-8").splitlines() if line.strip()]
     if path.suffix == ".jsonl":
         rows = [json.loads(line) for line in lines]
