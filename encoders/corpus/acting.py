@@ -123,10 +123,10 @@ def acted(
             cue = Cue(step, manner, rng, frames)
             pace = float(np.exp(-np.clip(manner.pace, -0.5, 0.4) + rng.normal(0.0, 0.12)))
             keys = blocking(cue)
-            tempo = _TEMPO[step.speed] * pace
             return play(
-                keys, rng, lead=cue.lead, both=cue.both, tempo=tempo, frames=frames, parts=owned, precise=precise
-            )
+                keys, rng, lead=cue.lead, both=cue.both, tempo=_TEMPO[step.speed] * pace, frames=frames, parts=owned,
+                precise=precise, reach=float(np.exp(0.3 * np.clip(manner.reach, -0.8, 0.5))),
+            )  # fmt: skip
 
         return blocking
 

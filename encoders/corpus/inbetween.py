@@ -73,6 +73,12 @@ def clear_of_body(hands: Array) -> Array:
     return np.asarray(out)
 
 
+def elbow_room(hands: Array) -> Array:
+    """How far to turn the elbow out (F,) so that an upper arm keeps off the ribs while the hand is before the body."""
+    crossing = np.clip(-0.05 - hands[:, 0], 0.0, 0.6) * np.clip(hands[:, 2] / 0.2, 0.0, 1.0)
+    return 1.2 * crossing * np.clip((0.25 - hands[:, 1]) / 0.3, 0.0, 1.0)
+
+
 def accompany(curves: Curves, rng: Generator) -> None:
     """The trunk goes along with the arms: it turns behind a hand held out and leans away from a raised one."""
     ahead = curves.hands[:, RIGHT, 2] - curves.hands[:, LEFT, 2]

@@ -26,7 +26,16 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike
 
 from encoders.corpus.curves import BODY, HANGING, LEFT, RIGHT, Array, Curves, standing
-from encoders.corpus.inbetween import accompany, clear_of_body, step_round, swung, take_stance, through, with_arcs
+from encoders.corpus.inbetween import (
+    accompany,
+    clear_of_body,
+    elbow_room,
+    step_round,
+    swung,
+    take_stance,
+    through,
+    with_arcs,
+)
 from encoders.motion import FPS
 
 REST = HANGING
@@ -40,6 +49,7 @@ _NEUTRAL: dict[str, tuple[float, ...]] = {
     "off_toes": (0.0,), "lead_turn": (0.0,), "off_turn": (0.0,), "lead_knee": (0.0,), "off_knee": (0.0,),
     "shrugs": (0.0,), "heading": (0.0,),
 }  # fmt: skip
+_BEFORE_CHEST = np.array([0.0, -0.45, 0.3])
 _TO_LEAD = np.array([1.0, -1.0, -1.0])  # the right side leads: towards it is -X, and to the left is positive in Curves
 
 
@@ -148,6 +158,7 @@ def play(
     frames: int = 0,
     parts: Iterable[str] = BODY,
     precise: bool = False,
+    reach: float = 1.0,
 ) -> Curves:
     """Curves through key poses.
 
@@ -167,6 +178,8 @@ def play(
         What the movement needs; "lead_arm" is the leading arm, or both.
     precise : bool
         Hands touch something, so their places vary little.
+    reach : float
+        Factor of the hands' distance from before the chest, unless they are precise.
     """
     timed, total = _timed(_expand(keys, both), tempo, rng, frames)
     count = max(2, round(total * FPS))
@@ -179,7 +192,7 @@ def play(
             continue
         _write(curves, name, through(now, times, values))
     for hand, name in ((RIGHT, "lead"), (LEFT, "off")):
-        _move_hand(curves, hand, name, tracks, now, timed, rng, precise)
+        _move_hand(curves, hand, name, tracks, now, timed, rng, None if precise else reach)
     take_stance(curves, rng)
     if "heading" in tracks:
         step_round(curves)
@@ -225,15 +238,19 @@ def _move_hand(
     now: Array,
     timed: Sequence[tuple[float, float, dict[str, ArrayLike]]],
     rng: Generator,
-    precise: bool,
+    reach: float | None,
 ) -> None:
-    """Fill wrist, hang and reach of one hand; busy keys stray a little from what was told."""
+    """Fill wrist, hang and reach of one hand; busy keys stray from what was told: precise ones (no reach) little."""
     if name not in tracks:
         curves.hands[:, hand] += rng.normal(0.0, 0.02, 3)
         return
     times, told = tracks[name]
     busy = np.abs(told - np.array(REST)).max(-1, keepdims=True) > 0.02
-    stray = rng.normal(0.0, 0.018 if precise else 0.045, 3) + rng.normal(0.0, 0.006 if precise else 0.015, told.shape)
+    if reach is None:
+        stray = rng.normal(0.0, 0.018, 3) + rng.normal(0.0, 0.006, told.shape)
+    else:
+        stray = rng.normal(0.0, 0.045, 3) + rng.normal(0.0, 0.015, told.shape)
+        told = told + (reach - 1.0) * (told - _BEFORE_CHEST) * busy
     values = told + stray * busy
     length, meant = np.linalg.norm(values, axis=1, keepdims=True), np.linalg.norm(told, axis=1, keepdims=True)
     values = np.where(meant > 0.88, values * np.minimum(meant / length, 1.0 / length), values)
@@ -241,6 +258,7 @@ def _move_hand(
     late = now - rng.normal(0.0, 0.02)
     place, curves.hang[:, hand] = swung(late, times, rows, rng.uniform(0.5, 1.0))
     curves.hands[:, hand] = clear_of_body(place)
+    curves.elbow[:, hand] += elbow_room(curves.hands[:, hand])
     curves.elbow[:, hand] += rng.normal(0.0, 0.2) * (0.8 - curves.hang[:, hand]) / 0.65
     if f"{name}_reach" in tracks:
         spots, places = tracks[f"{name}_reach"]

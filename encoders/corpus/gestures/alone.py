@@ -201,7 +201,7 @@ def cover_face(c: Cue) -> list[Key]:
 @acted("facepalm", group=GROUP, parts=ONE_ARM, sides=SIDED, precise=True)
 def facepalm(c: Cue) -> list[Key]:
     return [
-        key(c.r(0.3, 0.6), c.r(0.6, 2.0), hand=(-0.24, 0.27, 0.27), elbow=0.2, head=(c.r(0.25, 0.5), 0, 0),
+        key(c.r(0.3, 0.6), c.r(0.6, 2.0), hand=(-0.24, 0.26, 0.31), elbow=0.2, head=(c.r(0.25, 0.5), 0, 0),
             spine=(c.r(0, 0.15), 0, 0)),
         back(0.7),
     ]  # fmt: skip

@@ -9,6 +9,7 @@ from encoders.corpus.acting import HANDS, SIDED, UPPER, Cue, acted
 from encoders.corpus.keyframes import Key, back, key
 
 GROUP = "gesture"
+Pose = dict[str, ArrayLike]
 MOUTH = (-0.25, 0.14, 0.34)
 
 
@@ -124,3 +125,38 @@ def rock_baby(c: Cue) -> list[Key]:
             swing = np.array([side * wide * 0.4, 0.02, 0.0])
             keys += [key(beat, lead=lead + swing, off=off - swing, spine=(0, 0.5 * side * wide, side * wide))]
     return [*keys, back(0.8)]
+
+
+def _clutch(name: str, hands: Pose, bend: tuple[float, float], nod: float) -> None:
+    @acted(name, group=GROUP, parts=UPPER, precise=True)
+    def clutch(c: Cue) -> list[Key]:
+        lean, keys = c.r(*bend), list[Key]()
+        keys = [key(c.r(0.5, 0.9), 0.2, **hands, spine=(lean, 0, 0), head=(nod, 0, 0), root=(0, -0.04, 0))]
+        for _ in range(c.times(2, 4, 1.0)):
+            keys += [key(c.r(0.35, 0.6), c.r(0.0, 0.3), spine=(lean * c.r(0.7, 1.3), c.r(-0.15, 0.15), c.r(-0.1, 0.1)))]
+        return [*keys, back(0.9)]
+
+
+_clutch("clutch belly", {"lead": (-0.32, -0.58, 0.32), "off": (-0.36, -0.52, 0.34)}, (0.25, 0.8), 0.2)
+_clutch("clutch head", {"hands": (-0.14, 0.34, 0.14), "elbows": 0.5}, (0.05, 0.5), 0.35)
+
+
+@acted("vomit", group=GROUP, parts=UPPER, counts=(1, 4))
+def vomit(c: Cue) -> list[Key]:
+    """Double up with a hand on the belly and retch."""
+    keys = [
+        key(
+            0.6,
+            lead=(-0.32, -0.55, 0.32),
+            off=(0.0, -0.6, 0.45),
+            spine=(0.5, 0, 0),
+            pelvis=(0.3, 0, 0),
+            head=(0.1, 0, 0),
+        )
+    ]
+    for _ in range(c.times(1, 3)):
+        keys += [
+            key(0.2, 0.15, spine=(c.r(0.8, 1.1), 0, 0), head=(0.35, 0, 0), shrugs=0.2),
+            key(c.r(0.4, 0.7), 0.1, spine=(0.5, 0, 0), head=(0.1, 0, 0), shrugs=0.0),
+        ]
+    return [*keys, back(1.0)]

@@ -238,3 +238,55 @@ def zip_up(c: Cue) -> list[Key]:
         key(c.r(0.5, 0.9), 0.1, lead=(-0.33, -0.02, 0.3), head=(0, 0, 0)),
         back(0.6),
     ]
+
+
+@acted("smoke", group=GROUP, parts=ARMS, sides=SIDED, counts=(1, 4), precise=True)
+def smoke(c: Cue) -> list[Key]:
+    rest = c.about((0.0, -0.6, 0.4), 0.08)
+    keys = [key(0.5, 0.2, lead=rest)]
+    for _ in range(c.times(1, 3)):
+        keys += [
+            key(c.r(0.5, 0.8), c.r(0.4, 1.0), lead=(-0.24, 0.13, 0.32), lead_elbow=0.2),
+            key(c.r(0.5, 0.8), c.r(0.4, 1.2), lead=rest, lead_elbow=0.0, head=(-0.2, 0, 0)),
+        ]
+    return [*keys, back(0.6)]
+
+
+@acted("fold clothes", group=GROUP, parts=UPPER, counts=(1, 4))
+def fold_clothes(c: Cue) -> list[Key]:
+    """Hold a cloth out, bring the hands together, smooth it down."""
+    keys: list[Key] = []
+    for _ in range(c.times(1, 3)):
+        keys += [
+            key(c.r(0.4, 0.7), 0.1, hands=(0.15, -0.2, 0.6)),
+            key(c.r(0.4, 0.6), hands=(-0.28, -0.2, 0.55)),
+            key(c.r(0.3, 0.5), hands=(-0.2, -0.52, 0.5), spine=(0.15, 0, 0), head=(0.25, 0, 0)),
+            key(c.r(0.3, 0.5), lead=(0.15, -0.55, 0.5), spine=(0.2, 0, 0)),
+        ]
+    return [*keys, back(0.7)]
+
+
+@acted("shake off hands", group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(2, 8))
+def shake_off_hands(c: Cue) -> list[Key]:
+    place = c.about((c.r(-0.1, 0.2), c.r(-0.65, -0.35), 0.45), 0.04)
+    return [*to_and_fro(c, "hand", place, (0.03, 0.09, 0.03), c.r(0.09, 0.14), 4, 10), back(0.5)]
+
+
+@acted("water plants", group=GROUP, parts=UPPER, sides=SIDED, precise=True)
+def water_plants(c: Cue) -> list[Key]:
+    """A can in one hand, tipped and moved along."""
+    keys = [key(0.6, 0.2, lead=(-0.05, -0.5, 0.45))]
+    for _ in range(c.times(2, 4, 1.6)):
+        x = c.r(-0.4, 0.5)
+        keys += [
+            key(
+                0.5,
+                c.r(0.4, 0.9),
+                lead=(x, -0.25, 0.65),
+                lead_elbow=0.6,
+                spine=(0.15, 0, 0.3 * x),
+                head=(0.3, 0, 0.4 * x),
+            ),
+            key(0.4, lead=(0.5 * x, -0.38, 0.55), lead_elbow=0.2),
+        ]
+    return [*keys, back(0.7)]

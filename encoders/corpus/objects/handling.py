@@ -135,7 +135,7 @@ def _held(name: str, places: dict[str, ArrayLike], sides: tuple[str, ...] = (), 
 
     @acted(name, group=GROUP, parts=parts, sides=sides, weight=weight)
     def held(c: Cue) -> list[Key]:
-        shaken = {part: c.about(place, 0.05) for part, place in places.items()}
+        shaken = {part: c.about(place, 0.07) for part, place in places.items()}
         keys = [key(c.r(0.5, 0.9), c.r(1.2, 3.0), **shaken, spine=(c.r(-0.12, 0.02), 0, 0))]
         return [*keys, back(0.7)] if c.chance(0.6) else keys
 

@@ -1,5 +1,5 @@
-"""Programs of ball games, swings and fighting; importing registers them."""
+"""Programs of ball games, swings, fighting, weights and boards; importing registers them."""
 
-from encoders.corpus.sports import balls, combat, swings
+from encoders.corpus.sports import balls, combat, outdoor, swings
 
-__all__ = ["balls", "combat", "swings"]
+__all__ = ["balls", "combat", "outdoor", "swings"]

@@ -72,7 +72,7 @@ def catch(c: Cue) -> list[Key]:
             key(
                 c.r(0.25, 0.45), c.r(0.05, 0.3), **{hand: (x + 0.08, up, 0.78 if up < 0.6 else 0.4)}, root=(0, -0.04, 0)
             ),
-            key(0.14, **{hand: (x - 0.02, up - 0.05, 0.62 if up < 0.6 else 0.3)}),
+            key(0.14, **{hand: (x - 0.02, up - 0.05, 0.62 if up < 0.6 else 0.36)}),
             key(0.25, c.r(0.2, 0.6), **{hand: (x - 0.05, max(up - 0.35, -0.45), 0.38)}, root=(0, -0.02, -0.03)),
         ]
     return [*keys, *_ending(c)]
