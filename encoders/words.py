@@ -47,7 +47,7 @@ _IRREGULAR_PAST: dict[str, str] = {
     "thrust": "thrust", "undo": "undid", "wear": "wore", "wind": "wound", "wring": "wrung", "write": "wrote",
 }  # fmt: skip
 # last consonant doubled before -ing and -ed although the word has several syllables
-_DOUBLED = {"cartwheel": False, "somersault": False, "refer": True, "zigzag": True, "karate-chop": True}
+_DOUBLED = {"cartwheel": False, "somersault": False, "zigzag": True, "karate-chop": True, "sidestep": True}
 _VOWELS = "aeiou"
 _NUMBERS = (
     "zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve",

@@ -26,14 +26,14 @@ def _mends() -> tuple[tuple[re.Pattern[str], str], ...]:
 _SUBJECT = re.compile(
     r"^(?:(?:in|on) (?:the|this) (?:video|clip|picture),? )?(?:(?:first|initially|at first),? )?"
     r"(?:(?:the|a|an|this|one|i|some|same|another) )?"
-    r"(?:(?:stick|human|male|female|sim|toon|young|computer|animated|3d|skeleton) )*"
+    r"(?:(?:stick|human|male|female|sim|toon|young|computer|animated|3d|skeleton|standing|single|faceless|red|blue) )*"
     r"(?:person|man|woman|figure|figurine|someone|somebody|human|individual|subject|character|guy|sim|toon|dude|actor|"
     r"body|boy|girl|lady|performer|people|user|model|skeleton|avatar|player|he|she|they|it|him|robot)\b"
     r"(?:'s)?(?: (?:that|who|which))?\b"
 )
 _AUXILIARY = re.compile(
     r"^(?:who |that |which |then |he |she |they |it |the person |the man |person |a person |also |now |just |again |"
-    r"and |"
+    r"and |to |"
     r"is |are |was |were |be |being |been |has |had |will |"
     r"(?:appear|seem|look)(?:s|ed|ing)? (?:as if |as though |like )?(?:(?:he|she|they|it)(?: is| are|'s|'re) )?"
     r"(?:to )?(?:be )?(?=\w+ing\b|to\b)|"
@@ -46,13 +46,26 @@ _AUXILIARY = re.compile(
 )
 
 
+_BY_HAND = re.compile(
+    r"\bus(?:es|ed|ing|e) ((?:(?:his|her|their|the|both|a|one|left|right) )+(?:hands?|arms?|legs?|foot|feet|fists?)) "
+    r"to (\w+(?: (?!and |then |before |while )\w+)*)"
+)
+_ACTED = re.compile(
+    r"\b(?:makes?|made|making|does|did|doing|do|performs?|performing|performed) "
+    r"(?:an? |some |several |the |small |big |few |quick |slow |repeated )*(\w+ing)(?: type)? "
+    r"(?:motions?|gestures?|movements?|actions?|moves?|exercises?)\b"
+)
+
+
 def normalise(sentence: str) -> str:
     """Lower case, single spaces, no full stop, slips mended, fixed phrases in one word."""
     text = " ".join(sentence.lower().replace("_", " ").split()).strip(" .!\"'")
     for pattern, to in _mends():
         text = pattern.sub(to, text)
     text = re.sub(r"\s*([,;.])\s*", r"\1 ", text).replace(";", ",").replace(". ", ", then ")
-    return " ".join(re.sub(r"[^a-z0-9,'\- ]", " ", text).split()).strip(" ,")
+    text = " ".join(re.sub(r"[^a-z0-9,'\- ]", " ", text).split()).strip(" ,")
+    text = _ACTED.sub(r"\1", text)  # "makes a throwing motion" -> "throwing"
+    return _BY_HAND.sub(r"\2 with \1", text)  # "uses the left hand to wave" -> "wave with the left hand"
 
 
 def drop_subject(clause: str) -> str:

@@ -36,8 +36,19 @@ _RETURNS = re.compile(
 )
 _UP = re.compile(r"\b(?:up|standing|upright)\b")
 _RISES = {"sit": "stand up", "floor": "get up", "": "stand up"}
+_LIMB_ALONE = ("hand", "arm", "leg", "foot", "knee")  # "kicks the left leg, then the right leg"
 _BENT = ("bend forward", "squat", "crouch", "lean")
 _RAISED = ("wave", "salute", "point", "swat")
+_NO_VERB = frozenset(
+    """
+    a an the his her their its both one two three four five left right arms arm hands hand legs leg feet foot head knees
+    with in on at from to of by for into onto over under up down out off around back forward backward toward side sides
+    clockwise counterclockwise diagonally straight ahead again once twice this that these those while when as if after
+    before then than until and or but not no i he she they it who which where there first second finally slightly very
+    something someone person man figure body several some each another other also away across above below between along
+    slow fast quick hunched tired ready still stationary upright facing all both, inplace upanddown backandforth
+    """.split()
+)
 _REPEATABLE = ("then", "and", ",", "next", "finally")
 
 
@@ -171,7 +182,9 @@ class _Story:
         if join in ("while", "as ") and step == Step("walk") and programs()[last.action].group == "locomotion":
             return True  # "staggers while walking"
         one = step
-        if last.action in _BENT and step.action in ("pick up", "put down") and step.height in ("", "low"):
+        if last.action == "walk" and step.action == "balance beam" and join in ("while", "as ", "and"):
+            one = replace(last, action="balance beam") if last.direction in ("", "forward", "backward") else step
+        elif last.action in _BENT and step.action in ("pick up", "put down") and step.height in ("", "low"):
             one = replace(step, height="low")  # "bends down and picks something up"
         elif last.action in ("raise arm", "raise hand") and step.action in _RAISED and join == "and":
             sides = ("", *programs()[step.action].sides)
@@ -207,10 +220,11 @@ def read(sentence: str) -> Reading:
         if (not lemma or lemma == "back") and story.lemma and clause.join in _REPEATABLE:
             again = re.sub(r"^(?:then |and )?back (?=to the)", "", clause.words)
             found = take_particulars(again)  # "walks forward, then backward"
-            if not found.rest and found.fields:
+            if (not found.rest and found.fields) or found.rest in _LIMB_ALONE:
                 lemma, rest = story.lemma, again
         found = take_particulars(rest)
-        reading.verbs.append((lemma or verb, bool(lemma) and means_something(lemma, found)))
+        if lemma or verb not in _NO_VERB:
+            reading.verbs.append((lemma or verb, bool(lemma) and means_something(lemma, found)))
         denied = bool(_DENIED.search(clause.words)) and not re.search(
             r"(?:opposite|other) (?:way|direction)", clause.words
         )

@@ -15,7 +15,7 @@ from encoders.corpus.language.lexicon import FOLDER
 from encoders.corpus.language.particulars import Particulars
 from encoders.corpus.programs import Program, programs
 from encoders.corpus.scene import Step
-from encoders.words import gerund, past, third_person
+from encoders.words import NUMBER_VALUES, gerund, past, third_person
 
 _PARTICIPLES = {
     "raise": ["risen"], "rise": ["risen"], "throw": ["thrown"], "run": ["run"], "go": ["gone"], "take": ["taken"],
@@ -85,7 +85,11 @@ def _needs_met(need: str, clause: str, found: Particulars, context: Context) -> 
         "nosideboth": "both" not in sides[:1],
         "nofoot": all(limb not in ("foot", "leg", "knee", "elbow") for limb, _ in found.limbs),
         "floor": context.posture == "floor",
-        "walkish": "rope" in clause or "beam" in clause or "line" in clause or "walk" in clause,
+        "walkish": context.action == "walk"
+        or "rope" in clause
+        or "beam" in clause
+        or "line" in clause
+        or "walk" in clause,
         "sideno": True,
         "turned": context.turned,
         "never": False,
@@ -133,6 +137,9 @@ def _legal(action: str, fields: dict[str, str], found: Particulars) -> Step | No
     if fields.get("need") == "around" and found.fields["direction"] in ("around", "clockwise", "counterclockwise"):
         del found.fields["direction"]  # which way round is not what the program calls a direction
     found.fields |= {name: value for name, value in fields.items() if name not in ("need", "arm", "spin", "lying")}
+    if found.fields.get("height") == "high" and not program.heights and "up" in program.directions:
+        found.fields.pop("height")  # "stretches the arms above the head"
+        found.fields.setdefault("direction", "up")
     count, direction, side = _count(found, program), _direction(found, program), _side(found, program)
     if count is None or direction is None or side is None:
         return None
@@ -149,11 +156,37 @@ def _legal(action: str, fields: dict[str, str], found: Particulars) -> Step | No
     return Step(action, side, direction, speed, amplitude, count, style, height)
 
 
+_LIKENESS = re.compile(r" ?(?:as if|as though|like|as) (?:[a-z']+ ?){1,8}$")
+_MIMED = frozenset({"gesture", "object", "sport"})
+
+
+def _without_likeness(rest: str) -> tuple[str, bool]:
+    """The words before "as if ..." and whether there was such: what a gesture resembles changes nothing of it."""
+    match = _LIKENESS.search(rest)
+    if match is None or re.search(r"\b(?:hand|arm|leg|foot|left|right|head)\b", match[0]):
+        return rest, False
+    return rest[: match.start()].strip(), True
+
+
+def _take_number(lemma: str, found: Particulars) -> None:
+    """The number out of "does three kicks", as the count."""
+    number, _, rest = found.rest.partition(" ")
+    value = NUMBER_VALUES.get(number, int(number) if number.isdecimal() else 0)
+    if lemma in _LIGHT and value and rest and "count" not in found.fields:
+        found.fields["count"], found.rest = str(value), rest
+
+
 def step_of(lemma: str, clause: str, found: Particulars, context: Context) -> Step | None:
     """The step that a verb and its particulars name; None where no rule fits or its program cannot do it."""
-    for pattern, action, conditions in rules().get(lemma, ()):
-        if pattern.fullmatch(found.rest) and _needs_met(conditions.get("need", ""), clause, found, context):
-            return None if action is None else _legal(action, dict(conditions), found)
+    _take_number(lemma, found)
+    plain, likened = _without_likeness(found.rest)
+    for rest, mimed in ((found.rest, False), *([(plain, True)] if likened else [])):
+        for pattern, action, conditions in rules().get(lemma, ()):
+            program = programs().get(action or "")
+            if (program is None and action is not None) or (mimed and (program is None or program.group not in _MIMED)):
+                continue  # a program that is not there (yet), or one that a likeness would change
+            if pattern.fullmatch(rest) and _needs_met(conditions.get("need", ""), clause, found, context):
+                return None if action is None else _legal(action, dict(conditions), found)
     return None
 
 
@@ -164,7 +197,10 @@ def means_something(lemma: str, found: Particulars) -> bool:
     if lemma not in _LIGHT:
         return True
     return any(
-        action is not None and pattern.pattern and re.search(rf"\b(?:{pattern.pattern})\b", found.rest)
+        action is not None
+        and (
+            pattern.fullmatch(found.rest) or (pattern.pattern and re.search(rf"\b(?:{pattern.pattern})\b", found.rest))
+        )
         for pattern, action, _ in rules()[lemma]
     )
 
