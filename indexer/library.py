@@ -125,8 +125,7 @@ class Library:
         if model is not None and model["fingerprint"] != bundle.fingerprint:
             raise BundleMismatch(
                 f"{self.folder}: made with the model {model['name']} ({model['fingerprint'][:12]}), not with "
-                f"{bundle.name} ({bundle.fingerprint[:12]}); re-encode it with 'motionseek index --rebuild' "
-                "or name the old model with --bundle"
+                f"{bundle.name} ({bundle.fingerprint[:12]}); re-encode it with 'motionseek index --rebuild'"
             )
 
     def _model(self) -> dict[str, Any] | None:
@@ -235,7 +234,7 @@ class Library:
         joints = [poses.unpack(data) for (data,) in rows]
         skipped = first // poses.CHUNK * poses.CHUNK
         if sum(map(len, joints)) < last - skipped:
-            raise LibraryError(f"{clip.path}: stored poses are incomplete; index the folder again with --rebuild")
+            raise LibraryError(f"{clip.path}: stored poses are incomplete; delete the library folder and index again")
         return Motion(np.concatenate(joints)[first - skipped : last - skipped], FPS)
 
     def captions(self, id: int) -> list[Caption]:

@@ -54,7 +54,7 @@ def unpack(blob: bytes) -> NDArray[np.float32]:
         if not raw or len(raw) != size:
             raise ValueError("wrong size")
     except (struct.error, zlib.error, ValueError) as error:
-        raise LibraryError(f"stored poses are damaged ({error}); index the folder again with --rebuild") from error
+        raise LibraryError(f"stored poses are damaged ({error}); delete the library folder and index again") from error
     change = np.frombuffer(raw, np.uint8).reshape(2, -1).T.copy().view("<i2").reshape(frames, -1)
     steps = np.cumsum(change, axis=0, dtype=np.int16).reshape(frames, len(JOINTS), 3)
     return np.asarray(steps * step + np.array(origin), np.float32)
