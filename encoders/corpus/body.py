@@ -210,7 +210,7 @@ def _elbow_poles(curves: Curves, trunk: _Trunk, axis: Array) -> Array:
     """Elbows point back where the arm hangs, down where it is held forward, outward where it is raised: (F, 2, 3)."""
     raised = axis @ trunk.chest[:, :, 1:2]
     local = np.empty_like(axis)
-    local[..., 0] = _OUT[:, 0] * 0.28
+    local[..., 0] = _OUT[:, 0] * (0.12 + 0.3 * np.clip(raised[..., 0] + 0.4, 0.0, 1.0))
     local[..., 1] = -0.85
     local[..., 2] = -0.6 + 0.7 * np.clip(raised[..., 0] + 0.3, 0.0, 1.0)
     return _swing(turn(trunk.chest, local), axis, curves.elbow * _OUT[:, 0])

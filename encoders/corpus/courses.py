@@ -100,7 +100,7 @@ def travel(
     fastest = 1.9 if gait.duty > 0.5 else 7.0
     speed = gait.speed * pace * manner.factor("pace") * stride * sideways
     speed = min(speed, fastest)
-    going = effort(frames, rng, rest=0.4 if gait.duty < 0.5 else 0.6) if going is None else going
+    going = effort(frames, rng, rest=0.35 if gait.duty < 0.5 else 0.45) if going is None else going
     way = np.cumsum(speed * going) / FPS
     facing, angle = bearing("" if still else step.direction, np.zeros_like(way) if still else way, rng)
     pace_of_feet = gait.cadence * np.sqrt(pace) * manner.factor("pace")

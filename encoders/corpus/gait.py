@@ -57,11 +57,11 @@ class Gait:
     cadence: float = 1.85
     duty: float = 0.62
     lift: float = 0.13
-    bob: float = 0.02
+    bob: float = 0.017
     push: float = 0.75
     tiptoe: float = 0.0
     lean: float = 0.03
-    arms: float = 0.4
+    arms: float = 0.34
     elbow: float = 0.35
     twist: float = 0.055
     yaw: float = 1.7
@@ -174,20 +174,25 @@ def step_along(course: Course, gait: Gait, manner: Manner) -> Curves:
         curves.feet[:, side], curves.foot_pitch[:, side] = ankle[keep], pitch[keep]
         curves.foot_yaw[:, side] += yaw[keep]
     cycle = 2 * np.pi * phase
-    beat = np.cos(cycle - np.pi * gait.duty)  # 1 in the middle of the left foot's stance, -1 of the right's
-    _hips(curves, course, gait, manner, beat)
+    middle = cycle - np.pi * gait.duty  # 0 in the middle of the left foot's stance, half a turn on of the right's
+    beat = np.cos(middle)
+    _hips(curves, course, gait, manner, middle)
     _torso(curves, gait, manner, effort, cycle, beat)
     _arms(curves, gait, manner, effort, cycle)
     return curves
 
 
-def _hips(curves: Curves, course: Course, gait: Gait, manner: Manner, beat: Array) -> None:
+def _hips(curves: Curves, course: Course, gait: Gait, manner: Manner, middle: Array) -> None:
     keep = slice(PAD, len(course.phase) - PAD)
+    beat = np.cos(middle)
     effort, facing = course.effort[keep], course.facing[keep]
     narrow = min(gait.width / 0.05, 1.6)
     sway = 0.026 * narrow * float(np.clip(manner.factor("sway"), 0.2, 2.5)) * effort * beat
-    curves.root[:, 0] = course.root[keep, 0] + sway * np.cos(facing)
-    curves.root[:, 2] = course.root[keep, 1] - sway * np.sin(facing)
+    # Slower over the standing foot, faster from foot to foot: by a seventh of the speed.
+    surge = np.gradient(course.root, axis=0)[keep] * FPS / (7 * 2 * np.pi * gait.cadence)
+    surge *= -np.sin(2 * middle)[:, None]
+    curves.root[:, 0] = course.root[keep, 0] + sway * np.cos(facing) + surge[:, 0]
+    curves.root[:, 2] = course.root[keep, 1] - sway * np.sin(facing) + surge[:, 1]
     bob = gait.bob * float(np.clip(manner.factor("bounce"), 0.2, 2.5)) * (-1.0 if gait.duty < 0.5 else 1.0)
     level = smooth_level(course.level, len(course.phase))[keep]
     # A spared leg makes the body sink and lean while it stands.
