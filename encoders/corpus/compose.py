@@ -13,7 +13,7 @@ from encoders.corpus.curves import CHANNELS, Array, Curves
 from encoders.corpus.joining import at_rest, chain, overlay, pause, roam
 from encoders.corpus.programs import parts_of, programs
 from encoders.corpus.scene import Clip, Scene, Step
-from encoders.corpus.style import apply_manner, sample_individual, sample_manner
+from encoders.corpus.style import apply_manner, carry_idle_hands, sample_individual, sample_manner
 from encoders.motion import FPS
 
 
@@ -82,6 +82,8 @@ def act_scene(scene: Scene, rng: Generator, *, variation: float = 1.0) -> Curves
         for m in movements
     ]
     curves = chain(movements)
+    if rng.random() < 0.06 * variation:
+        carry_idle_hands(curves, rng)
     before = int(rng.exponential(12)) if rng.random() < 0.5 * variation and at_rest(curves, 0) else 0
     after = int(rng.exponential(12)) if rng.random() < 0.5 * variation and at_rest(curves, -1) else 0
     return pause(curves, min(before, 50), min(after, 50))

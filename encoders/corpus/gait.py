@@ -57,7 +57,7 @@ class Gait:
     cadence: float = 1.85
     duty: float = 0.62
     lift: float = 0.13
-    bob: float = 0.017
+    bob: float = 0.014
     push: float = 0.75
     tiptoe: float = 0.0
     lean: float = 0.03

@@ -110,14 +110,14 @@ def jump(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
     count = step.count or int(rng.choice([1, 1, 2, 3]))
     far = {"small": 0.5, "": 1.0, "large": 1.5}[step.amplitude]
     upright = step.direction in ("", "up", "in place", "around")
-    way = 0.0 if upright and (step.direction or rng.random() < 0.7) else rng.uniform(0.4, 1.0) * far
+    way = 0.0 if upright and (step.direction or rng.random() < 0.7) else rng.uniform(0.4, 1.3) * far
     way *= {"left": 0.6, "right": 0.6, "backward": 0.5}.get(step.direction, 1.0)
     toward = TURN.get(step.direction, 0.0)
     angle = rng.choice([-1, 1]) * np.pi * rng.uniform(0.9, 1.1) if step.direction == "around" else rng.normal(0, 0.03)
     height = rng.uniform(*_RISE[step.height or step.amplitude]) * float(np.clip(manner.factor("bounce"), 0.6, 1.3))
     return _jumps(
         manner, rng, count, height=height, stride=way * np.array([np.sin(toward), np.cos(toward)]), angle=float(angle),
-        tuck=rng.uniform(0.0, 0.2), wind_up=rng.uniform(0.3, 0.55) / manner.factor("pace") if count < 3 else 0.25,
+        tuck=rng.uniform(0.0, 0.32), wind_up=rng.uniform(0.3, 0.55) / manner.factor("pace") if count < 3 else 0.25,
     )  # fmt: skip
 
 

@@ -47,7 +47,7 @@ _HIGH_KNEES = Gait(duty=0.45, lift=0.42, bob=0.03, push=0.6, lean=0.0, arms=0.6,
 
 #: Name, gait, metres a second, steps a second, directions, weight.
 _GAITS: tuple[tuple[str, Gait, Range, Range, tuple[str, ...], float], ...] = (
-    ("walk", Gait(), (1.0, 1.45), (1.7, 2.05), EVERYWHERE, 5.0),
+    ("walk", Gait(), (1.0, 1.5), (1.7, 2.1), EVERYWHERE, 5.0),
     ("jog", _JOG, (1.6, 2.6), (2.3, 2.8), RUNNING, 3.0),
     ("run", _RUN, (2.1, 3.7), (2.4, 3.0), RUNNING, 4.0),
     ("sprint", _SPRINT, (4.0, 6.5), (3.0, 3.9), ("forward", "left", "right", "back and forth"), 3.0),

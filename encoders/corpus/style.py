@@ -138,6 +138,18 @@ def sample_manner(style: str, individual: Array, rng: Generator) -> Manner:
     return manner if rng.random() < 0.5 else replace(manner, roll=-manner.roll, limp=-manner.limp)
 
 
+#: How people carry idle hands: in pockets, clasped before the belly, behind the back.
+_CARRIAGES = ((0.06, -0.82, 0.14), (-0.3, -0.72, 0.3), (-0.12, -0.78, -0.25))
+
+
+def carry_idle_hands(curves: Curves, rng: Generator) -> None:
+    """Put hanging hands where some performers carry them all the time, in place."""
+    carriage = np.array(_CARRIAGES[int(rng.integers(len(_CARRIAGES)))])
+    idle = np.clip((-0.6 - curves.hands[..., 1]) / 0.2, 0.0, 1.0) * (1.0 - curves.reach_weight)
+    weight = rng.uniform(0.7, 1.0) * idle.min(axis=1)[:, None, None]
+    curves.hands[:] += (carriage - curves.hands) * weight
+
+
 def _pulse(frames: int, rng: Generator, knots_per_second: float) -> Array:
     """Smooth random curve (F,) of unit variance."""
     count = max(int(frames / 20 * knots_per_second) + 3, 4)
