@@ -46,6 +46,7 @@ _AUXILIARY = re.compile(
 )
 
 
+_IMPERSONAL = re.compile(r"^(?:it|this) (?:looks?|seems?|appears?|is) (?:like|as if|as though|that)? ?(?:if )?")
 _BY_HAND = re.compile(
     r"\bus(?:es|ed|ing|e) ((?:(?:his|her|their|the|both|a|one|left|right) )+(?:hands?|arms?|legs?|foot|feet|fists?)) "
     r"to (\w+(?: (?!and |then |before |while )\w+)*)"
@@ -64,6 +65,7 @@ def normalise(sentence: str) -> str:
         text = pattern.sub(to, text)
     text = re.sub(r"\s*([,;.])\s*", r"\1 ", text).replace(";", ",").replace(". ", ", then ")
     text = " ".join(re.sub(r"[^a-z0-9,'\- ]", " ", text).split()).strip(" ,")
+    text = _IMPERSONAL.sub("", text)
     text = _ACTED.sub(r"\1", text)  # "makes a throwing motion" -> "throwing"
     return _BY_HAND.sub(r"\2 with \1", text)  # "uses the left hand to wave" -> "wave with the left hand"
 

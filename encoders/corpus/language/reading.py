@@ -148,6 +148,16 @@ class _Story:
                      for group in self.groups[-2:] for step in group)  # fmt: skip
         return Context(programs()[last.action].ends, last.action, turned)
 
+    def beside(self, step: Step) -> bool:
+        """Whether a step can happen at the same time as the last ones: no part of the body is needed twice."""
+        parts = [parts_of(other) for other in (*(self.groups[-1] if self.groups else ()), step)]
+        return bool(self.groups) and sum(map(len, parts)) == len(frozenset().union(*parts))
+
+    @property
+    def goes(self) -> bool:
+        """Whether the performer has left the place."""
+        return any(programs()[step.action].group == "locomotion" for group in self.groups for step in group)
+
     def add(self, step: Step, join: str) -> bool:
         """Put a step after or beside the last; False where it cannot be."""
         if step.action in ("stand up", "get up"):
@@ -157,9 +167,7 @@ class _Story:
         if self.groups and self._absorbs(step, join):
             return True
         if self.groups and join in ("while", "as ", "and", ","):
-            beside = (*self.groups[-1], step)
-            parts = [parts_of(other) for other in beside]
-            fits = sum(map(len, parts)) == len(frozenset().union(*parts))
+            beside, fits = (*self.groups[-1], step), self.beside(step)
             still = self.groups[-1][-1].action in ("stand", "sit")
             if join in ("while", "as ") or (join == "and" and still and fits):
                 if fits:
@@ -188,8 +196,9 @@ class _Story:
             one = replace(step, height="low")  # "bends down and picks something up"
         elif last.action in ("raise arm", "raise hand") and step.action in _RAISED and join == "and":
             sides = ("", *programs()[step.action].sides)
-            if step.side in ("", last.side) and last.side in sides:
-                one = replace(step, side=last.side)  # "raises the right arm and waves"
+            if step.side in ("", last.side) and last.side in sides:  # "raises the right arm and waves"
+                self.groups[-1] = (*self.groups[-1][:-1], replace(step, side=last.side))
+                return True
         if one == step:
             return False
         self.groups[-1] = (*self.groups[-1][:-1], one)
@@ -204,7 +213,7 @@ def read(sentence: str) -> Reading:
     if not clauses:
         reading.failed.append(text)
         return reading
-    sure = True
+    sure, finite = True, ""
     for clause in clauses:
         lemma, verb, rest = _verb_and_rest(clause.words)
         if not verb:
@@ -229,7 +238,11 @@ def read(sentence: str) -> Reading:
             r"(?:opposite|other) (?:way|direction)", clause.words
         )
         step = None if found.unsure or denied or not lemma else step_of(lemma, clause.words, found, story.context)
-        if step is None or not story.add(step, clause.join):
+        join = clause.join
+        if join == "," and verb.endswith("ing") and not finite.endswith("ing"):
+            join = "while" if step is not None and story.beside(step) else join  # "walks, looking at the feet"
+        finite = verb
+        if step is None or not story.add(step, join):
             sure = False
             reading.failed.append(clause.words)
         story.lemma = lemma

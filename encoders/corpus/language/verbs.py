@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass
 from functools import cache
 
-from encoders.corpus.language.lexicon import FOLDER
+from encoders.corpus.language.lexicon import FOLDER, entry_of
 from encoders.corpus.language.particulars import Particulars
 from encoders.corpus.programs import Program, programs
 from encoders.corpus.scene import Step
@@ -27,6 +27,7 @@ _NEVER_VERBS = frozenset(
     {"hand", "hands", "head", "back", "face", "box", "place", "bat", "rest", "light", "rock", "shoulder", "down",
      "right", "left", "circle", "golf", "steps", "step", "button", "iron", "row", "fish"}
 )  # fmt: skip
+_LEG = ("leg", "foot", "knee", "heel", "toe", "thigh", "ankle")
 _FORWARD_ANYWAY = frozenset({"forward", "in place"})  # what a movement without directions does anyway
 _ON_THE_GROUND = frozenset(
     {"kneel", "lie down", "get up", "fall", "faint", "roll over", "crawl", "army crawl", "crouch", "push-up", "sit-up",
@@ -120,10 +121,13 @@ def _direction(found: Particulars, program: Program) -> str | None:
 
 
 def _side(found: Particulars, program: Program) -> str | None:
-    side = next((side for _, side in found.limbs if side), "")
-    if not side or side in program.sides:
-        return side
-    return "" if side == "both" and not program.sides else None
+    """The side of the limb that acts; None where the program acts with another limb or not with that side."""
+    limb, side = next(((limb, side) for limb, side in found.limbs if side), ("", ""))
+    if not side or (side == "both" and not program.sides):
+        return ""
+    entry = entry_of(program.name)
+    by_leg = entry is not None and entry.limb in _LEG
+    return side if side in program.sides and by_leg == (limb in _LEG) else None
 
 
 def _legal(action: str, fields: dict[str, str], found: Particulars) -> Step | None:
@@ -148,6 +152,10 @@ def _legal(action: str, fields: dict[str, str], found: Particulars) -> Step | No
         if height != "middle" and not (height == "low" and action in _ON_THE_GROUND):
             return None
         height = ""
+    if amplitude == "slight":  # "walks slightly right" is no small step
+        if program.group == "locomotion":
+            return None
+        amplitude = "small"
     speed, style = found.fields.get("speed", ""), found.fields.get("style", "")
     if (amplitude and amplitude not in program.amplitudes) or (speed and speed not in program.speeds):
         return None
