@@ -1,0 +1,81 @@
+"""A library that changes while it is served."""
+
+from __future__ import annotations
+
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from indexer import ingest
+from search.server.served import Search, ServedLibrary
+from tests.search.conftest import made_motion
+
+
+def _wait_for(client, clips: int) -> None:
+    until = time.monotonic() + 10
+    while f"motionseek_clips {clips}\n" not in client.get("/metrics").text:
+        assert time.monotonic() < until, "the change was not seen"
+        time.sleep(0.05)
+
+
+def test_what_is_indexed_is_found_without_a_restart(served, bundle, tmp_path: Path):
+    client, folder = served(), tmp_path / "takes"
+    before = client.get("/api/search", params={"q": "walks", "k": 20}).json()["hits"]
+    np.save(folder / "new.npy", made_motion(5.0, 77).joints)
+    ingest.index(folder, bundle=bundle, jobs=1)
+    _wait_for(client, 6)
+    after = client.get("/api/search", params={"q": "walks", "k": 20}).json()["hits"]
+    assert {hit["path"] for hit in after} - {hit["path"] for hit in before} == {"new.npy"}
+    assert client.get("/api/map").json()["generation"] == client.get("/api/stats").json()["generation"]
+
+
+def test_what_is_gone_is_found_no_more(served, bundle, tmp_path: Path):
+    client, folder = served(), tmp_path / "takes"
+    assert len(client.get("/api/search", params={"q": "walks"}).json()["hits"]) == 5
+    (folder / "take 2.npy").unlink()
+    ingest.index(folder, bundle=bundle, jobs=1)
+    _wait_for(client, 4)
+    hits = client.get("/api/search", params={"q": "walks"}).json()["hits"]
+    assert "take 2.npy" not in [hit["path"] for hit in hits]
+
+
+def test_a_clip_that_goes_between_two_looks_is_left_out(served, bundle, tmp_path: Path):
+    served()
+    folder = tmp_path / "takes"
+    with ServedLibrary.open(folder, bundle=bundle) as library:  # watches for nothing
+        (folder / "take 2.npy").unlink()
+        ingest.index(folder, bundle=bundle, jobs=1)
+        assert len(library) == 5
+        (found,) = library.search_all([Search("walks", 10)])
+    assert not isinstance(found, Exception)
+    assert len(found) == 4
+
+
+def test_indexing_goes_on_while_searches_are_answered(served, bundle, tmp_path: Path):
+    client, folder = served(), tmp_path / "takes"
+    for seed in range(6):
+        np.save(folder / f"new {seed}.npy", made_motion(3.0, 100 + seed).joints)
+    indexing = threading.Thread(target=ingest.index, args=(folder,), kwargs={"bundle": bundle, "jobs": 1})
+    indexing.start()
+    codes = set()
+    while indexing.is_alive():
+        codes.add(client.get("/api/search", params={"q": f"walks {time.monotonic()}"}).status_code)
+    assert codes == {200}
+    _wait_for(client, 11)
+
+
+def test_a_library_of_another_model_is_no_longer_answered_from(served, bundle, monkeypatch):
+    client = served()
+    assert client.get("/healthz").status_code == 200
+    monkeypatch.setattr(bundle, "fingerprint", "0" * 64)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ServedLibrary, "generation", 10**6)
+        until = time.monotonic() + 10
+        while (response := client.get("/healthz")).status_code == 200:
+            assert time.monotonic() < until
+            time.sleep(0.05)
+    assert response.status_code == 503
+    assert "model" in client.get("/api/search", params={"q": "walks"}).json()["error"]

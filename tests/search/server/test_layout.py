@@ -1,0 +1,82 @@
+"""The map of a library."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from search.server import layout
+
+
+def _groups(count: int, each: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Unit vectors around `count` directions, and which each belongs to."""
+    rng = np.random.default_rng(seed)
+    group = np.repeat(np.arange(count), each)
+    vectors = rng.standard_normal((count, 32))[group] + 0.4 * rng.standard_normal((len(group), 32))
+    return (vectors / np.linalg.norm(vectors, axis=1, keepdims=True)).astype(np.float32), group
+
+
+def _same_group_nearest(points: np.ndarray, group: np.ndarray) -> float:
+    far = ((points[:, None] - points) ** 2).sum(axis=-1)
+    np.fill_diagonal(far, np.inf)
+    return float((group[far.argmin(axis=1)] == group).mean())
+
+
+def test_what_is_alike_lies_together():
+    vectors, group = _groups(12, 20)
+    points = layout.lay_out(vectors)
+    assert _same_group_nearest(points, group) > 0.97
+    assert points.min() >= 0
+    assert points.max() <= 1
+    assert np.ptp(points, axis=0).max() == pytest.approx(1, abs=1e-5)
+
+
+def test_what_is_not_in_the_sample_lies_with_its_like():
+    vectors, group = _groups(8, 60)
+    assert _same_group_nearest(layout.lay_out(vectors, sample=160), group) > 0.95
+
+
+def test_a_map_is_the_same_each_time():
+    vectors, _ = _groups(4, 10)
+    np.testing.assert_array_equal(layout.lay_out(vectors), layout.lay_out(vectors))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5])
+def test_few_clips_have_a_map_too(count):
+    points = layout.lay_out(np.eye(count, 16, dtype=np.float32))
+    assert points.shape == (count, 2)
+    assert np.isfinite(points).all()
+
+
+def test_clips_that_are_all_the_same_have_a_map():
+    assert np.isfinite(layout.lay_out(np.ones((30, 16), np.float32) / 4)).all()
+
+
+def test_labels_are_the_nearest_sentences_the_most_frequent_first():
+    texts, sentences = ["sits", "walks", "waves"], np.eye(3, 8, dtype=np.float32)
+    vectors = np.repeat(np.eye(3, 8, dtype=np.float32), [1, 0, 4], axis=0)
+    made = layout.make(7, np.arange(1, 6), vectors, texts, sentences)
+    assert made.labels == ("waves", "sits")
+    assert made.label.tolist() == [1, 0, 0, 0, 0]
+
+
+def test_a_map_is_kept_for_its_generation_alone(tmp_path):
+    made = layout.make(3, np.arange(5), *_with_texts())
+    folder = tmp_path / "previews"
+    layout.save(folder, made)
+    assert layout.load(folder, 3).document() == made.document()
+    assert layout.load(folder, 4) is None
+    layout.save(folder, layout.make(4, np.arange(5), *_with_texts()))
+    assert [path.name for path in folder.iterdir()] == ["map.4.npz"]
+    (folder / "map.4.npz").write_bytes(b"damaged")
+    assert layout.load(folder, 4) is None
+
+
+def _with_texts():
+    vectors, _ = _groups(1, 5)
+    return vectors, ["a", "b"], vectors[:2]
+
+
+def test_an_empty_library_has_an_empty_map():
+    made = layout.make(0, np.empty(0, np.int64), np.empty((0, 8), np.float32), ["a"], np.ones((1, 8), np.float32))
+    assert made.document() == {"generation": 0, "clips": [], "x": [], "y": [], "labels": [], "label": []}

@@ -1,0 +1,134 @@
+"""`motionseek serve` as a process: its port, its address, its end."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from search.server import run as running
+from search.server.run import PortTaken, address, listen
+
+_PROGRAM = "import sys, encoders.bundle; encoders.bundle.DEFAULT = __import__('pathlib').Path(sys.argv.pop(1)); "
+Started = Callable[..., Iterator[tuple[subprocess.Popen[str], str]]]
+
+
+@pytest.fixture
+def started(indexed: Path, tiny_bundle: Path) -> Callable[..., object]:
+    """Runs the command until the end of the block; gives the process and its first line."""
+
+    @contextmanager
+    def start(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+        program = _PROGRAM + "from search.cli import main; main(['serve', *sys.argv[1:]])"
+        process = subprocess.Popen(
+            [sys.executable, "-c", program, str(tiny_bundle), str(indexed), *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "OMP_NUM_THREADS": "1", "PYTHONUNBUFFERED": "1"},
+        )
+        try:
+            assert process.stdout is not None
+            yield process, process.stdout.readline()
+        finally:
+            process.kill()
+            process.communicate()
+
+    return start
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends no SIGINT to one process")
+def test_it_says_where_it_is_answers_and_ends_at_ctrl_c(started):
+    port = _free_port()
+    with started("--port", str(port)) as (process, line):
+        assert f"http://127.0.0.1:{port}/" in line
+        assert line.startswith("5 clips")
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/api/search?q=walks", timeout=10) as response:
+            assert len(json.load(response)["hits"]) == 5
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=10)
+        assert (process.returncode, said) == (0, "ended\n")
+
+
+@pytest.mark.slow
+def test_a_body_that_trickles_in_holds_nobody_up(started):
+    port = _free_port()
+    with started("--port", str(port)) as _, socket.create_connection(("127.0.0.1", port)) as slow:
+        slow.sendall(b"POST /api/describe?name=x.bvh HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 1000\r\n\r\nHIER")
+        began = time.monotonic()
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/api/search?q=walks", timeout=10) as response:
+            assert response.status == 200
+        assert time.monotonic() - began < 5
+
+
+def test_a_port_in_use_is_said(run, indexed):
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        ran = run("serve", indexed, "--port", port)
+    assert ran.code == 1
+    assert f"cannot listen on port {port}" in ran.err
+    assert "--port" in ran.err
+    assert ran.err.count("\n") == 1
+
+
+def test_without_a_port_the_next_free_one_is_taken(monkeypatch):
+    monkeypatch.setattr(running, "PORT", _free_port())
+    with listen("127.0.0.1", None) as first, listen("127.0.0.1", None) as second:
+        assert first.getsockname()[1] == running.PORT
+        assert second.getsockname()[1] > running.PORT
+
+
+def test_where_none_is_free_all_that_were_tried_are_said(monkeypatch):
+    monkeypatch.setattr(running, "_MORE_PORTS", 1)
+    monkeypatch.setattr(running, "PORT", _free_port())
+    with listen("127.0.0.1", None), pytest.raises(PortTaken, match=f"ports {running.PORT} to {running.PORT}"):
+        listen("127.0.0.1", None)
+
+
+def test_an_address_that_is_not_ours_is_said(run, indexed):
+    ran = run("serve", indexed, "--host", "192.0.2.1", "--token", "x" * 16, "--port", 8420)
+    assert (ran.code, "192.0.2.1" in ran.err) == (1, True)
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.0.7", "studio.example"])
+def test_others_are_let_in_with_a_token_alone(run, indexed, host):
+    ran = run("serve", indexed, "--host", host)
+    assert (ran.code, "--token" in ran.err) == (2, True)
+
+
+def test_a_short_token_is_refused(run, indexed):
+    ran = run("serve", indexed, "--token", "secret")
+    assert (ran.code, "16" in ran.err) == (2, True)
+
+
+def test_a_folder_without_a_library_is_said(run, tmp_path):
+    ran = run("serve", tmp_path)
+    assert (ran.code, "motionseek index" in ran.err) == (1, True)
+
+
+@pytest.mark.parametrize(
+    ("host", "url"),
+    [("127.0.0.1", "http://127.0.0.1:"), ("localhost", "http://localhost:"), ("0.0.0.0", "http://127.0.0.1:")],
+)
+def test_the_address_a_browser_opens(host, url):
+    with listen(host, None) as listening:
+        assert address(listening, host) == f"{url}{listening.getsockname()[1]}/"

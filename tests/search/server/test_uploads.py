@@ -1,0 +1,207 @@
+"""Uploads: read like a file of one's own, under limits that hold against whoever means ill."""
+
+from __future__ import annotations
+
+import io
+import time
+from collections.abc import Iterator
+
+import anyio
+import numpy as np
+import pytest
+from starlette.requests import Request
+
+from search import bvh
+from search.server import joints, reading
+from search.server.errors import Refused
+from search.server.uploads import Limits, Uploads
+from tests.search.conftest import made_motion
+
+
+@pytest.fixture(scope="module")
+def dance() -> bytes:
+    """A motion file of three seconds."""
+    file = io.BytesIO()
+    bvh.write(file, made_motion(3.0, 5))
+    return file.getvalue()
+
+
+def test_an_upload_is_described(client, dance):
+    response = client.post("/api/describe", params={"name": "C:\\my takes\\dance.bvh", "k": 3}, content=dance)
+    assert response.status_code == 200
+    found = response.json()
+    assert found["path"] == "C:\\my takes\\dance.bvh"
+    assert len(found["sentences"]) == 3
+    assert found["clip"].startswith("u")
+
+
+def test_an_upload_finds_what_is_similar(client, dance):
+    found = client.post("/api/similar", params={"name": "dance.bvh", "k": 2}, content=dance).json()
+    assert (found["query"], len(found["hits"])) == ("dance.bvh", 2)
+    assert all(isinstance(hit["clip"], int) for hit in found["hits"])
+
+
+def test_a_span_of_an_upload_is_asked_about(client, dance):
+    params = {"name": "dance.bvh", "start": 1, "end": 2, "moments": True}
+    assert client.post("/api/similar", params=params, content=dance).status_code == 200
+    outside = client.post("/api/describe", params={"name": "dance.bvh", "start": 50}, content=dance)
+    assert outside.status_code == 422
+
+
+def test_an_upload_is_a_clip_from_then_on(client, ask, dance):
+    clip = client.post("/api/describe", params={"name": "dance.bvh"}, content=dance).json()["clip"]
+    motion = ask(f"/api/motions/{clip}")
+    assert (motion["clip"], motion["path"], motion["name"], motion["format"]) == (clip, "dance.bvh", "dance", "bvh")
+    drawn, _ = joints.unpack(client.get(f"/api/motions/{clip}/joints").content)
+    assert len(drawn) == motion["frames"] == 60
+    assert ask("/api/curve", clip=clip, q="walks")["clip"] == clip
+    assert ask("/api/moments", clip=clip, q="walks")["hits"][0]["clip"] == clip
+    assert ask("/api/describe", clip=clip)["clip"] == clip
+    assert ask("/api/similar", clip=clip, start=1, end=2)["query"] == "dance.bvh"
+    cut = client.get("/api/export", params={"clip": clip, "end": 1, "format": "npy"}).content
+    assert np.load(io.BytesIO(cut), allow_pickle=False).shape == (20, 22, 3)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("x.bvh", b""),
+        ("x.npy", b"\0" * 1000),
+        ("x.json", b'{"q": "walks"'),
+        ("x", b"HIERARCHY\nROOT a\n"),
+        ("../../../etc/passwd.npy", b"\x93NUMPY\x01\x00\xff\xff{"),
+        ("a\0b.amc", b"\x80\x04\x95K."),
+        ("x.zip", b"PK\x03\x04"),
+    ],
+)
+def test_what_is_no_motion_is_refused_in_words(client, name, content):
+    response = client.post("/api/describe", params={"name": name}, content=content)
+    assert (response.status_code, list(response.json())) == (422, ["error"])
+
+
+def test_a_pickled_array_is_not_unpickled(client, tmp_path):
+    class Bad:
+        def __reduce__(self):
+            return (open, (str(tmp_path / "made"), "w"))
+
+    file = io.BytesIO()
+    np.save(file, np.array([Bad()]), allow_pickle=True)
+    assert client.post("/api/describe", params={"name": "x.npy"}, content=file.getvalue()).status_code == 422
+    assert not (tmp_path / "made").exists()
+
+
+def test_a_header_that_lies_about_its_size_costs_no_memory(client):
+    header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (10000000000, 22, 3), }"
+    file = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + b"\0" * 64
+    assert client.post("/api/describe", params={"name": "x.npy"}, content=file).status_code == 422
+
+
+def test_an_upload_that_says_it_is_too_large_is_not_read(served):
+    client = served(limits=Limits(bytes=1000))
+    response = client.post("/api/describe", params={"name": "x.bvh"}, content=b"x" * 1001)
+    assert (response.status_code, list(response.json())) == (413, ["error"])
+
+
+def test_an_upload_that_says_nothing_is_counted(served):
+    client = served(limits=Limits(bytes=1000))
+    sent = 0
+
+    def endless() -> Iterator[bytes]:
+        nonlocal sent
+        while sent < 10_000_000:
+            sent += 500
+            yield b"x" * 500
+
+    response = client.post("/api/similar", params={"name": "x.bvh"}, content=endless())
+    assert response.status_code == 413
+
+
+async def _received(uploads: Uploads, chunks: Iterator[tuple[float, bytes]]) -> None:
+    """A request whose body comes in chunks, each after so many seconds."""
+
+    async def receive():
+        pause, body = next(chunks)
+        await anyio.sleep(pause)
+        return {"type": "http.request", "body": body, "more_body": True}
+
+    await uploads.receive(Request({"type": "http", "method": "POST", "headers": []}, receive), "x.bvh")
+
+
+def test_a_slow_upload_is_given_up():
+    uploads = Uploads(Limits(seconds=0.1))
+    slow = iter([(0.04, b"x")] * 1000)
+    began = time.monotonic()
+    with pytest.raises(Refused) as refused:
+        anyio.run(_received, uploads, slow)
+    assert refused.value.code == 408
+    assert time.monotonic() - began < 2
+
+
+def test_a_broken_off_upload_leaves_its_place_to_others():
+    uploads = Uploads(Limits(at_once=1))
+
+    async def broken_off():
+        async def receive():
+            return {"type": "http.disconnect"}
+
+        await uploads.receive(Request({"type": "http", "method": "POST", "headers": []}, receive), "x.bvh")
+
+    for _ in range(3):
+        with pytest.raises(Refused) as refused:
+            anyio.run(broken_off)
+        assert refused.value.code == 400
+
+
+def test_only_some_uploads_at_once():
+    async def two() -> list[int]:
+        uploads, codes = Uploads(Limits(seconds=0.2, at_once=1)), []
+
+        async def one() -> None:
+            with pytest.raises(Refused) as refused:
+                await _received(uploads, iter([(0.5, b"x")]))
+            codes.append(refused.value.code)
+
+        async with anyio.create_task_group() as group:
+            group.start_soon(one)
+            group.start_soon(one)
+        return codes
+
+    assert sorted(anyio.run(two)) == [408, 503]
+
+
+@pytest.mark.parametrize(
+    ("target", "reason"), [("hangs", "took more than"), ("crashes", "crashed"), ("eats", "more memory")]
+)
+def test_a_file_that_turns_on_its_reader_costs_its_reader_alone(served, dance, monkeypatch, target, reason):
+    client = served(limits=Limits(patience=1.0))
+    monkeypatch.setattr("search.server.uploads.READ", f"tests.search.server.turned:{target}")
+    response = client.post("/api/describe", params={"name": "x.bvh"}, content=dance)
+    assert response.status_code == 422
+    assert reason in response.json()["error"]
+    monkeypatch.undo()
+    assert client.post("/api/describe", params={"name": "x.bvh"}, content=dance).status_code == 200
+
+
+def test_the_oldest_uploads_are_forgotten(served, dance):
+    client = served(limits=Limits(kept=2))
+    clips = [client.post("/api/describe", params={"name": "x.bvh"}, content=dance).json()["clip"] for _ in range(3)]
+    assert [client.get(f"/api/motions/{clip}").status_code for clip in clips] == [404, 200, 200]
+
+
+def test_nothing_is_left_on_disk(served, dance, tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    client = served()
+    before = sorted(tmp_path.iterdir())
+    client.post("/api/describe", params={"name": "x.bvh"}, content=dance)
+    client.post("/api/describe", params={"name": "x.bvh"}, content=b"nonsense")
+    client.get("/api/export", params={"clip": 1})
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_the_longest_upload_is_two_hours(monkeypatch):
+    monkeypatch.setattr("indexer.worker.read", lambda *_: (made_motion(3.0, 5), "rig"))
+    monkeypatch.setattr(reading, "_limit", lambda: None)
+    assert len(reading.read("x.bvh", None, None)[0]) == 60
+    monkeypatch.setattr(reading, "MOST_FRAMES", 59)
+    with pytest.raises(MemoryError):
+        reading.read("x.bvh", None, None)
