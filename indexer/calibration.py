@@ -23,6 +23,10 @@ SHOULDER = np.array([0.193, -0.115, -0.01])
 
 #: Degrees by which a standing rest pose may deviate.
 _UPRIGHT, _MAX_BEND = 25.0, 30.0
+_SAGITTAL = np.array([0.0, 1.0, 1.0])  # only how far a bone leans forward is the rig's; to the sides it is posed
+_DOWN = 0.15  # share of frames in which a foot surely stands on the floor
+_MAX_TILT = 0.7  # radians by which a foot is tilted at most
+_NARROW = 0.1  # leg lengths that shoulders are at least away from the neck
 
 
 @dataclass(frozen=True)
@@ -75,27 +79,50 @@ def foot_frames(figure: Figure, side: str) -> Array:
 
 
 def calibrate(figure: Figure, rest: Figure) -> Calibration:
-    """The constants of a rig from its rest pose (T = 1); where that shows no standing body, the neutral ones."""
+    """The constants of a rig, from its rest pose (T = 1) where that shows a standing body, else from its movement.
+
+    `figure` is right-handed with Y up, `rest` right-handed.
+    """
     standing = standing_axes(rest)
-    if standing is None:
-        _, high = trunk_frames(figure)
-        return Calibration(shoulders=_shoulders(high.swapaxes(-1, -2) @ _from_neck(figure)))
-    body = rest.transformed(standing.T)
+    return _from_movement(figure) if standing is None else _from_rest(rest.transformed(standing.T))
+
+
+def _from_rest(body: Figure) -> Calibration:
+    """The constants of a rig from a standing body (T = 1) with Y up that faces +Z."""
     low, high = (frame[0] for frame in trunk_frames(body))
-    head = rotation_between(body.bone("neck", "head")[0] * [0, 1, 1], HEAD)
-    feet = {}
+    feet, bends = {}, {}
     for side in SIDES:
         feet[side] = np.eye(3)
         if f"{side}_toe" in body.marks:
             local = foot_frames(body, side)[0].T @ body.bone(f"{side}_ankle", f"{side}_toe")[0]
-            feet[side] = rotation_between(local * [0, 1, 1], FOOT)
-    bends = {}
-    for side in SIDES:
+            feet[side] = rotation_between(local * _SAGITTAL, FOOT)
         for upper, bend, lower in (("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")):
             bones = body.bone(f"{side}_{upper}", f"{side}_{bend}"), body.bone(f"{side}_{bend}", f"{side}_{lower}")
             angle = float(angle_between(*bones)[0])
             bends[f"{side}_{bend}"] = angle if angle < _MAX_BEND else 0.0
-    return Calibration(low, high, head, feet, bends, _shoulders(_from_neck(body)))
+    head = rotation_between(body.bone("neck", "head")[0] * _SAGITTAL, HEAD)
+    return Calibration(low, high, head, feet, bends, _shoulders(_from_neck(body), body.leg_length()))
+
+
+def _from_movement(figure: Figure) -> Calibration:
+    """What can be told without a rest pose: where the shoulders usually are, and how feet lie on the floor."""
+    _, high = trunk_frames(figure)
+    shoulders = _shoulders(high.swapaxes(-1, -2) @ _from_neck(figure), figure.leg_length())
+    return Calibration(feet={side: _planted(figure, side) for side in SIDES}, shoulders=shoulders)
+
+
+def _planted(figure: Figure, side: str) -> Array:
+    """The turn (3, 3) that lets a foot lie on the floor as the target's does, by the frames where it is lowest."""
+    if f"{side}_toe" not in figure.marks:
+        return np.eye(3)
+    height = figure.marks[f"{side}_ankle"][:, 1]
+    down = height <= np.quantile(height, _DOWN)
+    foot = unit(figure.bone(f"{side}_ankle", f"{side}_toe"))[down]
+    pitch = float(np.median(np.arcsin(np.clip(foot[:, 1], -1, 1))))
+    wanted = float(np.arctan2(FOOT[1], FOOT[2]))
+    turn = float(np.clip(pitch - wanted, -_MAX_TILT, _MAX_TILT))
+    cos, sin = np.cos(turn), np.sin(turn)
+    return np.array([[1, 0, 0], [0, cos, -sin], [0, sin, cos]])
 
 
 def _from_neck(figure: Figure) -> Array:
@@ -103,11 +130,11 @@ def _from_neck(figure: Figure) -> Array:
     return np.stack([figure.bone("neck", f"{side}_shoulder") for side in SIDES], axis=-1)
 
 
-def _shoulders(from_neck: Array) -> Array:
+def _shoulders(from_neck: Array, leg: float) -> Array:
     """The usual place (3,) of the left shoulder from the neck, out of tracks (T, 3, 2) in the chest's frame."""
     left, right = np.median(from_neck, axis=0).T
     place: Array = (left + right * [-1, 1, 1]) / 2
-    place[0] = max(place[0], 1e-6)
+    place[0] = max(place[0], _NARROW * leg)
     return place
 
 

@@ -105,7 +105,7 @@ def _check_bones(path: str | PathLike[str], figure: Figure) -> None:
 def _grid(frames: int, rate: float) -> NDArray[np.float64]:
     """Times of the 20 fps grid, counted in frames of the file."""
     count = int(np.floor((frames - 1) * FPS / rate + 1e-6)) + 1
-    at: NDArray[np.float64] = np.arange(count) * (rate / FPS)
+    at: NDArray[np.float64] = np.arange(count, dtype=np.float64) * (rate / FPS)
     return at
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import chain
 from os import PathLike
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from encoders.errors import UnreadableMotion
 from indexer.readers.asf import Bone, Skeleton, read_skeleton
 from indexer.readers.kinematics import Axes, Pose, turn
+from indexer.readers.numbers import parse_numbers
 from indexer.readers.take import Take
 
 DESCRIPTION = "Acclaim motion, with its skeleton (.asf) beside it; 120 frames a second unless told otherwise"
@@ -90,27 +92,26 @@ def _layout(path: str | PathLike[str], words: list[bytes]) -> list[tuple[str, in
 def _channels(
     path: str | PathLike[str], words: list[bytes], layout: list[tuple[str, int]]
 ) -> dict[str, NDArray[np.float64]]:
-    """Values (T, n) of each bone."""
+    """Values (n, T) of each bone."""
     width = 1 + sum(1 + count for _, count in layout)
     frames, left = divmod(len(words), width)
     if left:
         raise UnreadableMotion(path, f"frame {frames + 1} is not laid out as the first one: the file may be cut short")
-    table = np.array(words).reshape(frames, width)
-    channels: dict[str, NDArray[np.float64]] = {}
-    at = 1
-    for name, count in layout:
-        wrong = np.flatnonzero(table[:, at] != table[0, at])
-        if len(wrong):
-            raise UnreadableMotion(path, f"frame {wrong[0] + 1} is not laid out as the first one")
-        try:
-            values = table[:, at + 1 : at + 1 + count].astype(np.float64)
-        except ValueError:
-            raise UnreadableMotion(path, f"{name} has values that are no numbers") from None
-        if not np.isfinite(values).all():
-            raise UnreadableMotion(path, f"{name} has values that are no numbers")
-        channels[name] = values
-        at += 1 + count
-    return channels
+    places = 1 + np.cumsum([0, *(1 + count for _, count in layout)])
+    columns: list[list[bytes]] = []
+    for at, (name, count) in zip(places, layout, strict=False):
+        wrong = next((frame for frame, word in enumerate(words[at::width]) if word != words[at]), None)
+        if wrong is not None:
+            raise UnreadableMotion(path, f"frame {wrong + 1} is not laid out as the first one: no {name}")
+        columns += [words[at + k :: width] for k in range(1, count + 1)]
+    try:
+        values = parse_numbers(b" ".join(chain.from_iterable(columns))).reshape(-1, frames)
+    except ValueError as error:
+        raise UnreadableMotion(path, f"the motion is not all numbers: {error}") from None
+    if not np.isfinite(values).all():
+        raise UnreadableMotion(path, "the motion holds values that are no numbers")
+    ends = np.cumsum([count for _, count in layout])
+    return {name: values[end - count : end] for (name, count), end in zip(layout, ends, strict=True)}
 
 
 def _skeleton(path: str | PathLike[str], data: bytes, bones: list[str]) -> Skeleton:
@@ -153,7 +154,7 @@ def _take(
     fps: float,
 ) -> Take:
     """Forward kinematics of the Acclaim convention: a bone turns about its own axes, then its parent's turns follow."""
-    frames = len(next(iter(channels.values())))
+    frames = next(iter(channels.values())).shape[1]
     names: list[str] = []
     parents: list[int] = []
     rest: list[NDArray[np.float64]] = []
@@ -171,12 +172,10 @@ def _take(
     for bone in skeleton.order:
         start = poses[bone.parent] if bone.parent else Pose.identity(frames)
         start_rest = tips[bone.parent] if bone.parent else bone.offset
-        values = channels.get(bone.name, np.zeros((frames, len(bone.dof))))
-        if values.shape[1] != len(bone.dof):
-            raise UnreadableMotion(
-                path, f"{bone.name} has {values.shape[1]} values a frame, its skeleton {len(bone.dof)}"
-            )
-        pose, tip = _move(start, bone, values.T, radians)
+        values = channels.get(bone.name, np.zeros((len(bone.dof), frames)))
+        if len(values) != len(bone.dof):
+            raise UnreadableMotion(path, f"{bone.name} has {len(values)} values a frame, its skeleton {len(bone.dof)}")
+        pose, tip = _move(start, bone, values, radians)
         number[bone.name] = len(names)
         add(bone.name, number.get(bone.parent, -1), start_rest, pose.position)
         poses[bone.name] = Pose(pose.axes, tip)

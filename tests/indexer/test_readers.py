@@ -12,6 +12,7 @@ import pytest
 
 from encoders.errors import UnreadableMotion
 from encoders.skeleton import JOINTS
+from indexer import load_motion
 from indexer.readers import READABLE, read_take
 from tests.indexer.acting import bvh, performance
 
@@ -121,10 +122,16 @@ def test_a_rate_that_is_none_is_refused(tmp_path: Path, fps: float) -> None:
         read_take(path, fps=fps)
 
 
+def test_features_become_the_joints_they_describe(tmp_path: Path, golden: Path) -> None:
+    cases = np.load(golden / "humanml3d_features.npz")
+    np.save(tmp_path / "a.npy", cases["walk_forward/features"])
+    joints = read_take(tmp_path / "a.npy").positions
+    np.testing.assert_allclose(joints, cases["walk_forward/recovered"], atol=1e-5)
+    assert len(load_motion(tmp_path / "a.npy")) == len(joints)
+
+
 @pytest.mark.slow
 def test_all_real_files_are_read_or_rightly_refused(mocap: Path) -> None:
-    from indexer import load_motion
-
     refused = []
     for path in sorted(mocap.glob("rigs/**/*")):
         if path.suffix in READABLE:
