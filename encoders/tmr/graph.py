@@ -27,6 +27,9 @@ IR_VERSION = 10
 
 #: Matrices with fewer numbers stay in floating point: they weigh nothing and their error would.
 _SMALLEST = 2048
+#: Numbers of an output channel that share a scale; one scale for the whole channel moves MiniLM's vectors three times
+#: as far (1 - cosine of 100 sentence embeddings: 4.7e-4 against 1.6e-4 on average).
+_BLOCK = 64
 _MASKED = -1e9
 
 
@@ -54,12 +57,14 @@ class Graph:
         return self._constants[key]
 
     def matrix(self, weight: Tensor) -> str:
-        """A weight matrix (out, in), one scale an output channel where it is stored as int8."""
+        """A weight matrix (out, in); as int8 it is turned to floating point when the runtime loads it."""
         array = weight.detach().numpy()
         if not self._int8 or array.size < _SMALLEST:
             return self._store(array, "weight")
-        values, scales = int8_rows(array)
-        return self.add("DequantizeLinear", self._store(values, "int8"), self._store(scales, "scale"), axis=0)
+        block = _BLOCK if array.shape[1] % _BLOCK == 0 else array.shape[1]
+        values, scales = int8_rows(array.reshape(-1, block))
+        rows = self.add("DequantizeLinear", self._store(values, "int8"), self._store(scales, "scale"), axis=0)
+        return str(self.add("Reshape", rows, self.constant(array.shape)))
 
     def rows(self, table: Tensor, indices: str) -> str:
         """Rows of an embedding table (V, D) at some indices; only they are turned to floating point."""
