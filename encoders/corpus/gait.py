@@ -188,8 +188,9 @@ def _hips(curves: Curves, course: Course, gait: Gait, manner: Manner, middle: Ar
     effort, facing = course.effort[keep], course.facing[keep]
     narrow = min(gait.width / 0.05, 1.6)
     sway = 0.026 * narrow * float(np.clip(manner.factor("sway"), 0.2, 2.5)) * effort * beat
-    # Slower over the standing foot, faster from foot to foot: by a seventh of the speed.
-    surge = np.gradient(course.root, axis=0)[keep] * FPS / (7 * 2 * np.pi * gait.cadence)
+    # Slower over the standing foot, faster from foot to foot; least so where the body flies.
+    share = 0.14 if gait.duty > 0.5 else 0.05
+    surge = np.gradient(course.root, axis=0)[keep] * FPS * share / (2 * np.pi * gait.cadence)
     surge *= -np.sin(2 * middle)[:, None]
     curves.root[:, 0] = course.root[keep, 0] + sway * np.cos(facing) + surge[:, 0]
     curves.root[:, 2] = course.root[keep, 1] - sway * np.sin(facing) + surge[:, 1]
