@@ -26,7 +26,10 @@ _COMES_UP = frozenset(
     {"squat", "crouch", "kneel", "bend forward", "pick up", "put down", "bow", "lunge", "duck", "toe touch"}
 )
 _RETURNS = re.compile(
-    r"(?:lowers?|lowered|lowering|puts?|putting|brings?|bringing|brought|drops?|dropping|returns?|returning|lets?) "
+    r"(?:holds?|holding|held) (?:it|them|that|the pose|the position|this pose)(?: there| up| still)?"
+    r"(?: for (?:a |the |some )?\w+(?: \w+)?)?"
+    r"|(?:lowers?|lowered|lowering|puts?|putting|sets?|brings?|bringing|brought|drops?|dropping|returns?|returning"
+    r"|lets?) "
     r"(?:it|them|his|her|their|the|both|back|arms?|hands?|left|right|leg|foot|knee| )*"
     r"(?:back )?(?:down|to (?:his|her|their|the) sides?)(?: again)?"
     r"|(?:stands?|standing|straightens?|straightening|gets?|comes?|rises?|stood)(?: back)? up(?: straight)?(?: again)?"
@@ -221,15 +224,14 @@ def read(sentence: str) -> Reading:
         if story.groups and _RETURNS.fullmatch(drop_auxiliaries(drop_subject(clause.words))):
             reading.verbs.append((lemma or verb, True))
             last = story.groups[-1][-1].action
-            comes_up = (
-                last in _COMES_UP or programs()[last].group in ("gesture", "exercise") or last.startswith("raise")
-            )
-            if comes_up:
+            rests = programs()[last].group in ("gesture", "exercise") and not story.goes
+            if last in _COMES_UP if _UP.search(clause.words) else rests:
                 continue
         if (not lemma or lemma == "back") and story.lemma and clause.join in _REPEATABLE:
             again = re.sub(r"^(?:then |and )?back (?=to the)", "", clause.words)
             found = take_particulars(again)  # "walks forward, then backward"
-            if (not found.rest and found.fields) or found.rest in _LIMB_ALONE:
+            stays = story.lemma == "move" and not story.goes  # "moves the arm up, then to the right"
+            if ((not found.rest and found.fields) or found.rest in _LIMB_ALONE) and not stays:
                 lemma, rest = story.lemma, again
         found = take_particulars(rest)
         if lemma or verb not in _NO_VERB:

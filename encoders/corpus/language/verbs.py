@@ -29,10 +29,8 @@ _NEVER_VERBS = frozenset(
 )  # fmt: skip
 _LEG = ("leg", "foot", "knee", "heel", "toe", "thigh", "ankle")
 _FORWARD_ANYWAY = frozenset({"forward", "in place"})  # what a movement without directions does anyway
-_ON_THE_GROUND = frozenset(
-    {"kneel", "lie down", "get up", "fall", "faint", "roll over", "crawl", "army crawl", "crouch", "push-up", "sit-up",
-     "plank", "bend forward", "toe touch", "somersault", "stomp", "squat"}
-)  # fmt: skip
+_BY_PLACE = frozenset({"pick up", "put down", "sit down", "sit", "stand up"})  # what a floor is a height of
+_WITH_NOUNS = frozenset({"pick up", "put down", "pour", "drink"})  # what any noun may follow
 
 
 @cache
@@ -148,8 +146,10 @@ def _legal(action: str, fields: dict[str, str], found: Particulars) -> Step | No
     if count is None or direction is None or side is None:
         return None
     height, amplitude = found.fields.get("height", ""), found.fields.get("amplitude", "")
+    if height == "floor":
+        height = "low" if action in _BY_PLACE else ""
     if height and height not in program.heights:
-        if height != "middle" and not (height == "low" and action in _ON_THE_GROUND):
+        if height != "middle":
             return None
         height = ""
     if amplitude == "slight":  # "walks slightly right" is no small step
@@ -165,7 +165,7 @@ def _legal(action: str, fields: dict[str, str], found: Particulars) -> Step | No
 
 
 _LIKENESS = re.compile(r" ?(?:as if|as though|like|as) (?:[a-z']+ ?){1,8}$")
-_MIMED = frozenset({"gesture", "object", "sport"})
+_MIMED = frozenset({"gesture", "object", "sport"})  # but not "talk", which may be any gesture
 
 
 def _without_likeness(rest: str) -> tuple[str, bool]:
@@ -174,6 +174,19 @@ def _without_likeness(rest: str) -> tuple[str, bool]:
     if match is None or re.search(r"\b(?:hand|arm|leg|foot|left|right|head)\b", match[0]):
         return rest, False
     return rest[: match.start()].strip(), True
+
+
+def _runs_on(rest: str) -> bool:
+    """Whether a second verb follows without a join: "picks up a cup pours a drink"."""
+    return " and " not in rest and any(is_verb(word) and lemmas()[word] != word for word in rest.split())
+
+
+def _pronoun_is_limb(action: str, clause: str, context: Context) -> bool:
+    """Whether what is lifted, held or put down is only "it" or "them", and no thing was in the hands before."""
+    if action not in ("lift", "put down", "carry") or not re.search(r"\b(?:it|them)\b", clause):
+        return False
+    before = programs().get(context.action)
+    return before is None or before.group not in ("object", "sport")
 
 
 def _take_number(lemma: str, found: Particulars) -> None:
@@ -187,14 +200,22 @@ def _take_number(lemma: str, found: Particulars) -> None:
 def step_of(lemma: str, clause: str, found: Particulars, context: Context) -> Step | None:
     """The step that a verb and its particulars name; None where no rule fits or its program cannot do it."""
     _take_number(lemma, found)
-    plain, likened = _without_likeness(found.rest)
+    plain, likened = _without_likeness(found.rest) if lemma not in ("look", "appear", "seem") else (found.rest, False)
     for rest, mimed in ((found.rest, False), *([(plain, True)] if likened else [])):
         for pattern, action, conditions in rules().get(lemma, ()):
             program = programs().get(action or "")
-            if (program is None and action is not None) or (mimed and (program is None or program.group not in _MIMED)):
+            if (program is None and action is not None) or (
+                mimed and (program is None or program.group not in _MIMED or action == "talk")
+            ):
                 continue  # a program that is not there (yet), or one that a likeness would change
             if pattern.fullmatch(rest) and _needs_met(conditions.get("need", ""), clause, found, context):
-                return None if action is None else _legal(action, dict(conditions), found)
+                if (
+                    action is None
+                    or (action in _WITH_NOUNS and _runs_on(rest))
+                    or _pronoun_is_limb(action, clause, context)
+                ):
+                    return None
+                return _legal(action, dict(conditions), found)
     return None
 
 
