@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from indexer.vectors import Block, FlatVectors
+from indexer.vectors import FlatVectors, block_around
 
 _FORMAT = 1
 _INDEX, _OWNERS, _SPANS, _MANIFEST = "index.faiss", "owners.npy", "spans.npy", "manifest.json"
@@ -85,7 +85,7 @@ def _load(path: Path, model: str, size: int) -> FlatVectors:
     spans = np.load(path / _SPANS, mmap_mode="r", allow_pickle=False)
     if index.d != size or len(owners) != index.ntotal or spans.shape != (index.ntotal, 2):
         raise ValueError("parts do not fit together")
-    return FlatVectors(int(manifest["generation"]), Block(owners, spans, index))
+    return FlatVectors(int(manifest["generation"]), block_around(owners, spans, index))
 
 
 def _files(folder: Path, name: str) -> list[Path]:

@@ -21,6 +21,9 @@ Found = tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32], NDArr
 #: Products of a query and a row from which on threads are worth their start.
 _WORTH_THREADS = 1 << 22
 
+#: Rows from which on a main block is searched by clusters: exact search then costs more than 5 ms a query.
+CLUSTERED_FROM = 250_000
+
 #: Share of rows that came or went since the main block was made, from which on a new one is made.
 _LOOSE = 0.05
 
@@ -130,14 +133,30 @@ class Block:
             selector, parameters = cast(Any, faiss.IDSelectorBitmap), cast(Any, faiss.SearchParameters)
             bits = np.packbits(mask, bitorder="little")  # held until the search is done: FAISS only points at it
             only = parameters(sel=selector(bits))
-        scores, rows = self.index.search(queries, k, params=only)
+        return self._found(*self.index.search(queries, k, params=only))
+
+    def _found(self, scores: NDArray[np.float32], rows: NDArray[np.int64]) -> Found:
         owners = np.where(rows < 0, -1, self.owners[rows])
         spans = self.spans[rows]
         return np.where(rows < 0, -np.inf, scores).astype(np.float32), owners, spans[..., 0], spans[..., 1]
 
 
+def block_of(rows: Rows) -> Block:
+    """A block over `rows`: exact, or in clusters where there are very many."""
+    from indexer.clustered import ClusteredBlock
+
+    return (ClusteredBlock if len(rows) >= CLUSTERED_FROM else Block).of(rows)
+
+
+def block_around(owners: NDArray[np.int64], spans: NDArray[np.float32], index: Any) -> Block:
+    """The block whose FAISS index this is."""
+    from indexer.clustered import ClusteredBlock
+
+    return (ClusteredBlock if hasattr(index, "invlists") else Block)(owners, spans, index)
+
+
 class FlatVectors:
-    """Exact search in a main block, which may lie in a mapped file, and a small block of what came later."""
+    """Search in a main block, which may lie in a mapped file, and a small block of what came later."""
 
     def __init__(
         self,
@@ -154,7 +173,7 @@ class FlatVectors:
     @classmethod
     def of(cls, generation: int, rows: Rows) -> FlatVectors:
         """An index over `rows`."""
-        return cls(generation, Block.of(rows))
+        return cls(generation, block_of(rows))
 
     @property
     def size(self) -> int:

@@ -1,0 +1,89 @@
+"""Many rows in clusters: nearly always what a plain scan finds, exactly where filters leave little."""
+
+import numpy as np
+import pytest
+
+from indexer import vector_files, vectors
+from indexer.clustered import ClusteredBlock
+from indexer.vectors import FlatVectors, Rows
+
+SIZE, EACH = 32, 10
+
+
+@pytest.fixture(scope="module")
+def rows():
+    """40,000 rows of 4,000 owners, each owner's alike and many owners alike."""
+    rng = np.random.default_rng(0)
+    kinds = rng.standard_normal((60, SIZE))
+    owners = np.repeat(np.arange(1, 4001), EACH)
+    own = kinds[rng.integers(0, 60, 4000)] + 0.5 * rng.standard_normal((4000, SIZE))
+    latents = own[owners - 1] + 0.3 * rng.standard_normal((len(owners), SIZE))
+    latents /= np.linalg.norm(latents, axis=1, keepdims=True)
+    starts = np.tile(np.arange(EACH, dtype=np.float32), 4000)
+    return Rows(owners, np.stack([starts, starts + 1], axis=1), latents.astype(np.float16))
+
+
+@pytest.fixture(scope="module")
+def clustered(rows):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(vectors, "CLUSTERED_FROM", 30_000)
+        return FlatVectors.of(1, rows)
+
+
+@pytest.fixture(scope="module")
+def exact(rows):
+    return FlatVectors.of(1, rows)
+
+
+def queries(count=50):
+    asked = np.random.default_rng(7).standard_normal((count, SIZE)).astype(np.float32)
+    return asked / np.linalg.norm(asked, axis=1, keepdims=True)
+
+
+def share_found(got, want):
+    return np.mean([len(set(a) & set(b)) / len(set(b)) for a, b in zip(got, want, strict=True)])
+
+
+def test_many_rows_are_clustered_and_few_are_not(clustered, exact):
+    assert isinstance(clustered.main, ClusteredBlock)
+    assert not isinstance(exact.main, ClusteredBlock)
+
+
+def test_nearly_all_of_the_best_are_found_with_their_scores_and_spans(clustered, exact):
+    scores, owners, starts, ends = clustered.search(queries(), 50)
+    want_scores, want_owners, _, _ = exact.search(queries(), 50)
+    assert share_found(owners, want_owners) > 0.95
+    np.testing.assert_allclose(scores[:, 0], want_scores[:, 0], atol=1e-3)
+    np.testing.assert_array_equal(ends, starts + 1)
+
+
+@pytest.mark.parametrize("allowed", [[17], [3, 999, 4000], list(range(1, 400)), []])
+def test_few_allowed_owners_are_all_found(clustered, exact, allowed):
+    allowed = np.array(allowed, np.int64)
+    scores, owners, _, _ = clustered.search(queries(5), 30, allowed=allowed)
+    want_scores, want_owners, _, _ = exact.search(queries(5), 30, allowed=allowed)
+    np.testing.assert_allclose(scores, want_scores, atol=1e-5)
+    np.testing.assert_array_equal(owners, want_owners)
+
+
+def test_the_rows_come_back_in_order(clustered, rows):
+    np.testing.assert_array_equal(clustered.rows.owners, rows.owners)
+    np.testing.assert_array_equal(clustered.rows.vectors, rows.vectors)
+
+
+def test_changes_are_seen(clustered, rows):
+    new = Rows(np.array([9999]), np.array([[0, 1]], np.float32), queries(1).astype(np.float16))
+    changed = clustered.update(2, remove=np.array([5]), add=new)
+    assert changed.search(queries(1), 1)[1].tolist() == [[9999]]
+    of_the_gone = rows.vectors[rows.owners == 5][:1].astype(np.float32)
+    assert 5 not in changed.search(of_the_gone, 100)[1]
+    assert 5 in clustered.search(of_the_gone, 100)[1]
+
+
+def test_a_file_holds_the_clusters(clustered, tmp_path):
+    vector_files.save(clustered, tmp_path, "windows", "model")
+    again = vector_files.load(tmp_path, "windows", "model", SIZE)
+    assert isinstance(again.main, ClusteredBlock)
+    for got, want in zip(again.search(queries(), 20), clustered.search(queries(), 20), strict=True):
+        np.testing.assert_array_equal(got, want)
+    np.testing.assert_array_equal(again.rows.vectors, clustered.rows.vectors)
