@@ -17,6 +17,7 @@ from indexer.readers.take import Take
 DESCRIPTION = "BVH, any skeleton and channel order"
 MAX_JOINTS = 4096
 MAX_CHANNELS = 12
+_BLOCK = 4096  # frames whose poses fit the processor's cache, and bound the memory they need
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _TOKEN = re.compile(
@@ -44,7 +45,7 @@ class _Joint:
     parent: int
     is_site: bool = False
     offset: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
-    channels: list[str] = field(default_factory=list)  # "px", "ry", ...
+    channels: list[tuple[str, str]] = field(default_factory=list)  # ("p" or "r", axis), in the order written
 
 
 def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) -> Take:
@@ -116,7 +117,7 @@ def _hierarchy(path: str | PathLike[str], header: bytes) -> list[_Joint]:
         elif token["offset"] is not None:
             joints[stack[-1]].offset = np.array([float(v) for v in _SEPARATOR.split(token["offset"])])
         else:
-            channels = [c[0] + c[1] for c in _channel_names(token["channels"])]
+            channels = _channel_names(token["channels"])
             if len(channels) != int(token["count"]) or len(channels) > MAX_CHANNELS:
                 raise UnreadableMotion(path, f"CHANNELS {token['count']} names {len(channels)} channels")
             joints[stack[-1]].channels = channels
@@ -189,39 +190,49 @@ def _frames(
 
 
 def _take(joints: list[_Joint], frames: NDArray[np.float64], fps: float) -> Take:
-    """Forward kinematics: each channel turns or moves its joint in the order it is written."""
+    """Rest pose and, by forward kinematics, the pose of each frame."""
     rest = np.zeros((len(joints), 3))
-    positions = np.empty((len(frames), len(joints), 3))
-    poses: list[Pose] = []
-    column = 0
+    firsts = np.cumsum([0, *(len(joint.channels) for joint in joints)])
+    columns = np.ascontiguousarray(frames.T)
+    bases = []
     for i, joint in enumerate(joints):
-        parent = poses[joint.parent] if joint.parent >= 0 else Pose.identity(len(frames))
         rest[i] = joint.offset + (rest[joint.parent] if joint.parent >= 0 else 0)
-        values = frames[:, column : column + len(joint.channels)].T
-        column += len(joint.channels)
-        pose = Pose(parent.axes, parent.place(_translation(joint, values)))
-        for channel, value in zip(joint.channels, values, strict=True):
-            if channel[0] == "r":
-                pose = Pose(turn(pose.axes, "xyz".index(channel[1]), np.deg2rad(value)), pose.position)
-        poses.append(pose)
-        positions[:, i] = pose.position.T
+        bases.append(_base(joint, columns[firsts[i] : firsts[i + 1]]))
+    positions = np.empty((len(joints), 3, len(frames)))
+    for start in range(0, len(frames), _BLOCK):
+        block = slice(start, start + _BLOCK)
+        poses: list[Pose] = []
+        for i, joint in enumerate(joints):
+            parent = poses[joint.parent] if joint.parent >= 0 else Pose.identity(positions[i, 0, block].size)
+            poses.append(_pose(parent, joint, bases[i], columns[firsts[i] : firsts[i + 1], block]))
+            positions[i, :, block] = poses[i].position
     parents = np.array([joint.parent for joint in joints])
-    return Take(tuple(joint.name for joint in joints), parents, rest, positions, fps)
+    return Take(tuple(joint.name for joint in joints), parents, rest, positions.transpose(2, 0, 1), fps)
 
 
-def _translation(joint: _Joint, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Where the joint lies in its parent's frame, (3,) or (3, T).
+def _base(joint: _Joint, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What position channels are added to, (3,): 0 where they hold the whole translation, as they should.
 
-    Position channels hold the whole translation. Some programs write only what is added to the
-    offset; on a joint with a parent the channels then stay nearer to zero than to the offset.
+    Some programs write only what is added to the offset; on a joint with a parent the channels then stay nearer to
+    zero than to the offset.
     """
-    moving = [(k, "xyz".index(c[1])) for k, c in enumerate(joint.channels) if c[0] == "p"]
-    if not moving:
-        return joint.offset
-    rows, axes = (list(x) for x in zip(*moving, strict=True))
-    place = np.repeat(joint.offset[:, None], values.shape[1], axis=1)
-    moves = values[rows]
-    middle = np.median(moves, axis=1)
-    is_added = joint.parent >= 0 and np.linalg.norm(middle) < np.linalg.norm(middle - joint.offset[axes])
-    place[axes] = moves + (place[axes] if is_added else 0)
-    return place
+    base: NDArray[np.float64] = joint.offset.copy()
+    moves = [(k, "xyz".index(axis)) for k, (kind, axis) in enumerate(joint.channels) if kind == "p"]
+    if moves:
+        rows, axes = (list(x) for x in zip(*moves, strict=True))
+        middle = np.median(values[rows], axis=1)
+        if joint.parent < 0 or np.linalg.norm(middle) >= np.linalg.norm(middle - base[axes]):
+            base[axes] = 0
+    return base
+
+
+def _pose(parent: Pose, joint: _Joint, base: NDArray[np.float64], values: NDArray[np.float64]) -> Pose:
+    """A joint's pose in the world: each channel (T,) turns or moves it in the order it is written."""
+    place = np.repeat(base[:, None], values.shape[1], axis=1)
+    axes = parent.axes
+    for (kind, axis), value in zip(joint.channels, values, strict=True):
+        if kind == "p":
+            place["xyz".index(axis)] += value
+        else:
+            axes = turn(axes, "xyz".index(axis), np.deg2rad(value))
+    return Pose(axes, parent.place(place))
