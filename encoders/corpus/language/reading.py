@@ -28,7 +28,8 @@ _COMES_UP = frozenset(
 _RETURNS = re.compile(
     r"(?:holds?|holding|held) (?:it|them|that|the pose|the position|this pose)(?: there| up| still)?"
     r"(?: for (?:a |the |some )?\w+(?: \w+)?)?"
-    r"|(?:lowers?|lowered|lowering|puts?|putting|sets?|brings?|bringing|brought|drops?|dropping|returns?|returning"
+    r"|un(?:folds?|folding|folded|cross(?:es|ed|ing)?) (?:it|them|(?:his|her|their|the|both) arms)"
+    r"|(?:pulls?|pulling|pulled|lowers?|lowered|lowering|puts?|putting|sets?|brings?|bringing|brought|drops?|dropping|returns?|returning"
     r"|lets?) "
     r"(?:it|them|his|her|their|the|both|back|arms?|hands?|left|right|leg|foot|knee| )*"
     r"(?:back )?(?:down|to (?:his|her|their|the) sides?)(?: again)?"

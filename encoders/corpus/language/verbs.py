@@ -183,7 +183,7 @@ def _runs_on(rest: str) -> bool:
 
 def _pronoun_is_limb(action: str, clause: str, context: Context) -> bool:
     """Whether what is lifted, held or put down is only "it" or "them", and no thing was in the hands before."""
-    if action not in ("lift", "put down", "carry") or not re.search(r"\b(?:it|them)\b", clause):
+    if action not in ("lift", "put down", "carry", "pull") or not re.search(r"\b(?:it|them)\b", clause):
         return False
     before = programs().get(context.action)
     return before is None or before.group not in ("object", "sport")
