@@ -58,7 +58,10 @@ def through(frames: int, poses: Sequence[tuple[float, Array]]) -> Array:
     """
     times = np.array([time for time, _ in poses])
     rows = np.stack([row for _, row in poses])
-    return inbetween.through(np.linspace(0.0, 1.0, frames), times, rows)
+    moving = (rows != rows[0]).any(axis=0)
+    out = np.repeat(rows[:1], frames, axis=0)
+    out[:, moving] = inbetween.through(np.linspace(0.0, 1.0, frames), times, rows[:, moving])
+    return out
 
 
 def perform(frames: int, poses: Sequence[tuple[float, Array]], parts: frozenset[str] = BODY) -> Curves:
