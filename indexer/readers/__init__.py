@@ -9,6 +9,8 @@ from os import PathLike, fspath
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
+
 from encoders.errors import UnreadableMotion
 from indexer.readers import amc, bvh, npy
 from indexer.readers.take import Take
@@ -35,6 +37,7 @@ _FOREIGN_ENDINGS = {
 }  # fmt: skip
 
 
+@np.errstate(over="ignore", invalid="ignore")  # absurd values end as places that are no numbers, which are refused
 def read_take(path: str | PathLike[str], *, fps: float | None = None) -> Take:
     """Read a motion file.
 
