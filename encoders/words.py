@@ -41,8 +41,8 @@ _IRREGULAR_PAST: dict[str, str] = {
     "read": "read", "ride": "rode", "ring": "rang", "rise": "rose", "run": "ran", "say": "said", "seek": "sought",
     "send": "sent", "set": "set", "shake": "shook", "shine": "shone", "shoot": "shot", "show": "showed",
     "shut": "shut", "sing": "sang", "sink": "sank", "sit": "sat", "slide": "slid", "sling": "slung", "speak": "spoke",
-    "speed": "sped", "spin": "spun", "spread": "spread", "spring": "sprang", "stand": "stood", "steal": "stole",
-    "stick": "stuck", "stride": "strode", "strike": "struck", "string": "strung", "sweep": "swept", "swim": "swam",
+    "speed": "sped", "spin": "spun", "split": "split", "spread": "spread", "spring": "sprang", "stand": "stood",
+    "steal": "stole", "stick": "stuck", "stride": "strode", "strike": "struck", "string": "strung", "sweep": "swept", "swim": "swam",
     "swing": "swung", "take": "took", "tear": "tore", "tell": "told", "think": "thought", "throw": "threw",
     "thrust": "thrust", "undo": "undid", "wear": "wore", "wind": "wound", "wring": "wrung", "write": "wrote",
 }  # fmt: skip
