@@ -120,7 +120,7 @@ def evaluate_labels(
 
 
 def _top1(similarity: NDArray[np.float32], asked: list[str], clip_labels: NDArray[np.str_]) -> float:
-    """Share of clips nearest to a sentence of their own label; each label's n-th sentence competes with the others' n-th."""
+    """Share of clips nearest to their own label's sentence; the n-th sentences of all labels compete."""
     order = list(dict.fromkeys(asked))
     columns = np.isin(clip_labels, order)
     rounds: dict[str, list[int]] = {label: [i for i, a in enumerate(asked) if a == label] for label in order}
