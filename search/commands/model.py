@@ -9,7 +9,7 @@ import click
 
 from search.commands import options
 from search.commands.status import shown
-from search.commands.train import release, train
+from search.commands.train import card, release, train
 
 
 @click.group()
@@ -25,6 +25,7 @@ def model() -> None:
 
 model.add_command(train)
 model.add_command(release)
+model.add_command(card)
 
 
 @model.command()

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import click
 
+from search.commands import options
+
 _FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
 _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
@@ -91,6 +93,39 @@ def release(run: Path, folder: Path, name: str, notes: Path | None) -> None:
 
     bundle = release_run(run, folder, name=name, training=json.loads(notes.read_text("utf-8")) if notes else None)
     click.echo(f"{bundle.name} {bundle.fingerprint[:12]} in {folder}")
+
+
+@click.command()
+@click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
+@click.option("--bundle", "place", type=_FOLDER, help="Another model's folder.")
+@click.option("--real", type=_FOLDER, help="Folder of captioned takes with a manifest.tsv; its split val is asked.")
+@click.option("--captions", type=_FILE, help="What people wrote about them, JSON lines.")
+@click.option("--labelled", type=_FOLDER, help="Folder with labels.tsv and queries.tsv.")
+@click.option("--count", type=click.IntRange(64), default=4000, show_default=True, help="Made clips in the gallery.")
+@options.force
+def card(
+    out: Path,
+    place: Path | None,
+    real: Path | None,
+    captions: Path | None,
+    labelled: Path | None,
+    count: int,
+    force: bool,
+) -> None:
+    """Measure the model and write its card to OUT, a Markdown file.
+
+    \b
+    Examples:
+      motionseek model card model.md --count 1000
+      motionseek model card docs/model.md --real data/mocap --captions captions.jsonl --labelled data/bandai1 --force
+    """
+    from encoders.bundle import Bundle
+    from search.evaluate.card import card as measured
+
+    if out.exists() and not force:
+        raise click.ClickException(f"{out} exists; overwrite it with --force")
+    out.write_text(measured(Bundle.load(place), real=real, captions=captions, labelled=labelled, count=count), "utf-8")
+    click.echo(f"written: {out}")
 
 
 def _sentences(path: Path) -> list[str]:

@@ -26,19 +26,25 @@ class LabelReport:
     ----------
     precisions : {label: [average precision of each query]}
     clips : {label: number of clips}
-    top1 : share of labelled clips whose own label's sentence is first among all labels'
+    confusion : {label: {label: share of the first's clips whose nearest sentence is one of the second}}
     unreadable : [(path, reason)]
     """
 
     precisions: dict[str, list[float]]
     clips: dict[str, int]
-    top1: float
+    confusion: dict[str, dict[str, float]]
     unreadable: list[tuple[str, str]]
 
     @property
     def mean(self) -> float:
         """Mean over labels and their queries."""
         return float(np.mean([p for row in self.precisions.values() for p in row]))
+
+    @property
+    def top1(self) -> float:
+        """Share of clips whose own label's sentence is first among all labels'."""
+        total = sum(self.clips.values())
+        return sum(self.clips[label] * row[label] for label, row in self.confusion.items()) / total
 
     def as_dict(self) -> dict[str, object]:
         return {
@@ -114,21 +120,23 @@ def evaluate_labels(
     return LabelReport(
         precisions,
         {label: int((clip_labels == label).sum()) for label in precisions},
-        _top1(similarity, [row["label"] for row in asked], clip_labels),
+        _confusion(similarity, [row["label"] for row in asked], clip_labels),
         unreadable,
     )
 
 
-def _top1(similarity: NDArray[np.float32], asked: list[str], clip_labels: NDArray[np.str_]) -> float:
-    """Share of clips nearest to their own label's sentence; the n-th sentences of all labels compete."""
+def _confusion(
+    similarity: NDArray[np.float32], asked: list[str], clip_labels: NDArray[np.str_]
+) -> dict[str, dict[str, float]]:
+    """What the clips of each label are nearest to; the first sentences of all labels compete, the second ones, ..."""
     order = list(dict.fromkeys(asked))
-    columns = np.isin(clip_labels, order)
-    rounds: dict[str, list[int]] = {label: [i for i, a in enumerate(asked) if a == label] for label in order}
-    shares = []
-    for nth in range(min(len(rows) for rows in rounds.values())):
-        block = similarity[[rounds[label][nth] for label in order]][:, columns]
-        shares.append(np.mean(np.array(order)[block.argmax(axis=0)] == clip_labels[columns]))
-    return float(np.mean(shares))
+    rows = {label: [i for i, a in enumerate(asked) if a == label] for label in order}
+    rounds = range(min(map(len, rows.values())))
+    nearest = np.stack([similarity[[rows[label][n] for label in order]].argmax(axis=0) for n in rounds])
+    return {
+        label: {other: float(np.mean(nearest[:, clip_labels == label] == column)) for column, other in enumerate(order)}
+        for label in order
+    }
 
 
 def _inside(folder: Path, table: Path) -> Path:
