@@ -42,9 +42,9 @@ _IRREGULAR_PAST: dict[str, str] = {
     "send": "sent", "set": "set", "shake": "shook", "shine": "shone", "shoot": "shot", "show": "showed",
     "shut": "shut", "sing": "sang", "sink": "sank", "sit": "sat", "slide": "slid", "sling": "slung", "speak": "spoke",
     "speed": "sped", "spin": "spun", "split": "split", "spread": "spread", "spring": "sprang", "stand": "stood",
-    "steal": "stole", "stick": "stuck", "stride": "strode", "strike": "struck", "string": "strung", "sweep": "swept", "swim": "swam",
-    "swing": "swung", "take": "took", "tear": "tore", "tell": "told", "think": "thought", "throw": "threw",
-    "thrust": "thrust", "undo": "undid", "wear": "wore", "wind": "wound", "wring": "wrung", "write": "wrote",
+    "steal": "stole", "stick": "stuck", "stride": "strode", "strike": "struck", "string": "strung", "sweep": "swept",
+    "swim": "swam", "swing": "swung", "take": "took", "tear": "tore", "tell": "told", "think": "thought",
+    "throw": "threw", "thrust": "thrust", "undo": "undid", "wear": "wore", "wind": "wound", "wring": "wrung", "write": "wrote",
 }  # fmt: skip
 # last consonant doubled before -ing and -ed although the word has several syllables
 _DOUBLED = {"cartwheel": False, "somersault": False, "zigzag": True, "karate-chop": True, "sidestep": True}

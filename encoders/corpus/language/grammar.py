@@ -23,7 +23,7 @@ _KIND_WEIGHTS_ONE = (0.62, 0.17, 0.15, 0.06)
 _KIND_WEIGHTS_MANY = (0.78, 0.15, 0.07, 0.0)
 _SEEMS = ("looks like {they_are} [ing]", "appears to be [ing]", "seems to be [ing]", "starts [ing]", "begins to [base]",
           "starts to [base]", "is seen [ing]", "appears to [base]", "seems to [base]", "is busy [ing]",
-          "is shown [ing]", "can be seen [ing]", "is in the middle of [ing]", "proceeds to [base]", "begins [ing]")  # fmt: skip
+          "is shown [ing]", "can be seen [ing]", "is in the middle of [ing]", "proceeds to [base]")  # fmt: skip
 _SEEMS_PLURAL = ("look like they are [ing]", "appear to be [ing]", "seem to be [ing]", "start [ing]", "begin to [base]")
 _AT_ONCE = ("while {ing}", "{ing}", "as {they}", "and {same}", "and {same} at the same time", "whilst {ing}")
 _AT_ONCE_WEIGHTS = (0.47, 0.2, 0.1, 0.1, 0.08, 0.05)

@@ -217,7 +217,7 @@ def read(sentence: str) -> Reading:
     if not clauses:
         reading.failed.append(text)
         return reading
-    sure, finite = True, ""
+    sure, before = True, ""
     for clause in clauses:
         lemma, verb, rest = _verb_and_rest(clause.words)
         if not verb:
@@ -242,9 +242,13 @@ def read(sentence: str) -> Reading:
         )
         step = None if found.unsure or denied or not lemma else step_of(lemma, clause.words, found, story.context)
         join = clause.join
-        if join == "," and verb.endswith("ing") and not finite.endswith("ing"):
-            join = "while" if step is not None and story.beside(step) else join  # "walks, looking at the feet"
-        finite = verb
+        if step is not None and verb.endswith("ing") and story.groups:
+            aside = join == "," and not before.endswith("ing")  # "walks, looking at the feet"
+            if aside and not story.beside(step) and programs()[step.action].group != "locomotion":
+                step = None  # at once, but no body can
+            elif aside or (join == "and" and before.endswith("ing")):  # "walking and waving"
+                join = "while" if step is not None and story.beside(step) else join
+        before = verb
         if step is None or not story.add(step, join):
             sure = False
             reading.failed.append(clause.words)
