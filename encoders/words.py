@@ -44,7 +44,8 @@ _IRREGULAR_PAST: dict[str, str] = {
     "speed": "sped", "spin": "spun", "split": "split", "spread": "spread", "spring": "sprang", "stand": "stood",
     "steal": "stole", "stick": "stuck", "stride": "strode", "strike": "struck", "string": "strung", "sweep": "swept",
     "swim": "swam", "swing": "swung", "take": "took", "tear": "tore", "tell": "told", "think": "thought",
-    "throw": "threw", "thrust": "thrust", "undo": "undid", "wear": "wore", "wind": "wound", "wring": "wrung", "write": "wrote",
+    "throw": "threw", "thrust": "thrust", "undo": "undid", "wear": "wore", "wind": "wound", "wring": "wrung",
+    "write": "wrote",
 }  # fmt: skip
 # last consonant doubled before -ing and -ed although the word has several syllables
 _DOUBLED = {"cartwheel": False, "somersault": False, "zigzag": True, "karate-chop": True, "sidestep": True}
