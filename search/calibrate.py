@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle import Bundle
-from encoders.corpus.facts import facts, stated_by
-from encoders.corpus.made import Made
+from encoders.corpus.made import Made, true_of
 from search import strength
 from search.query import encode_queries
 
@@ -34,17 +33,12 @@ def calibrate(
     """
     motions = bundle.encode_features([clip.features[: bundle.max_frames] for clip in background]).astype(np.float16)
     gallery = bundle.encode_features([clip.features[: bundle.max_frames] for clip in asked])
-    words: dict[str, int] = {}
-    stated = [[words.setdefault(f, len(words)) for f in clip.meanings[0]] for clip in asked]
-    holds = [[words.setdefault(f, len(words)) for f in facts(clip.scene)] for clip in asked]
-    right = stated_by(stated, holds, len(words))
-    np.fill_diagonal(right, True)
     sentences = encode_queries(bundle, [clip.captions[0] for clip in asked])
     nothing = encode_queries(bundle, unrelated)
     evidence, truth = _top_hits(
         np.concatenate([sentences, nothing]),
         gallery,
-        np.concatenate([right, np.zeros((len(nothing), len(gallery)), bool)]),
+        np.concatenate([true_of(asked), np.zeros((len(nothing), len(gallery)), bool)]),
         motions,
     )
     actions = [frozenset(step.action for group in clip.scene.steps for step in group) for clip in asked]
@@ -69,7 +63,7 @@ def _top_hits(
     similarity = queries @ gallery.T
     if skip_self:
         np.fill_diagonal(similarity, -np.inf)
-    best = np.argsort(-similarity, axis=1)[:, :_HITS]
+    best = np.argsort(-similarity, axis=1)[:, : min(_HITS, len(gallery) - skip_self)]
     scores = np.take_along_axis(similarity, best, axis=1)
     evidence = [strength.evidence(q, s, background) for q, s in zip(queries, scores, strict=True)]
     return np.concatenate(evidence), np.take_along_axis(right, best, axis=1).ravel()

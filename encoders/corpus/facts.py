@@ -51,4 +51,5 @@ def stated_by(meanings: Sequence[Iterable[int]], facts: Sequence[Iterable[int]],
         rows[i, list(row)] = 1
     for j, column in enumerate(facts):
         columns[j, list(column)] = 1
-    return np.asarray(rows @ (1 - columns).T == 0) & rows.any(axis=1)[:, None]
+    missing = rows @ (1 - columns).T
+    return np.asarray((missing == 0) & (rows.sum(axis=1) > 0)[:, None], np.bool_)

@@ -10,7 +10,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from encoders.corpus.compose import make_clip
-from encoders.corpus.facts import facts
+from encoders.corpus.facts import facts, stated_by
 from encoders.corpus.language import describe, parse, random_scene, swap
 from encoders.corpus.programs import programs
 from encoders.corpus.scene import Scene, Step
@@ -37,6 +37,14 @@ class Made:
     captions: tuple[str, ...]
     meanings: tuple[frozenset[str], ...]
     swapped: tuple[str, ...]
+
+
+def true_of(clips: Sequence[Made]) -> NDArray[np.bool_]:
+    """Whether the first sentence of each clip (rows) is known to be true of each clip (columns); of its own it is."""
+    words: dict[str, int] = {}
+    stated = [[words.setdefault(f, len(words)) for f in clip.meanings[0]] for clip in clips]
+    holds = [[words.setdefault(f, len(words)) for f in facts(clip.scene)] for clip in clips]
+    return stated_by(stated, holds, len(words)) | np.eye(len(clips), dtype=bool)
 
 
 def settle(scene: Scene, rng: Generator) -> Scene:
@@ -72,25 +80,30 @@ def make(
         Sentences that must not be used.
     """
     whole = settle(scene, rng)
-    true = facts(whole)
     clip = make_clip(whole, rng)
     stated = {text: facts(scene) for text in said}
     for _ in range(count):
         caption = describe(whole, rng)
         stated.setdefault(caption.text, facts(caption.scene))
-    texts = [text for text in stated if held_out is None or not held_out(text)]
+    banned = held_out or _none
+    texts = [text for text in stated if not banned(text)]
     return Made(
         kind.compute(Motion(clip.joints, clip.fps)),
         whole,
         clip.spans,
         tuple(texts),
         tuple(stated[text] for text in texts),
-        _false_captions(whole, true, rng),
+        tuple(text for text in _false_captions(whole, rng) if not banned(text)),
     )
 
 
-def _false_captions(scene: Scene, true: frozenset[str], rng: Generator, tries: int = 4) -> tuple[str, ...]:
+def _none(_: str) -> bool:
+    return False
+
+
+def _false_captions(scene: Scene, rng: Generator, tries: int = 4) -> tuple[str, ...]:
     """A sentence that differs from true ones in order, side, direction or count alone, where the scene has such."""
+    true = facts(scene)
     for _ in range(tries):
         wrong = swap(scene, rng)
         if wrong is None:

@@ -20,7 +20,7 @@ _SWAPS = {
     "left": "right", "right": "left", "leftward": "rightward", "rightward": "leftward", "leftwards": "rightwards",
     "rightwards": "leftwards", "lefthand": "righthand", "righthand": "lefthand", "clockwise": "counterclockwise",
     "counterclockwise": "clockwise", "counter-clockwise": "clockwise", "anticlockwise": "clockwise",
-    "anti-clockwise": "clockwise",
+    "anti-clockwise": "clockwise", "counter clockwise": "clockwise", "anti clockwise": "clockwise",
 }  # fmt: skip
 _SIDE_WORDS = re.compile(r"(?<![\w-])(" + "|".join(sorted(_SWAPS, key=len, reverse=True)) + r")(?=\W|s?\b)", re.I)
 #: A phrase in which "right" is no side.

@@ -10,7 +10,9 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from encoders.corpus.compose import make_clip
+from encoders.corpus.facts import facts
 from encoders.corpus.language import describe, random_scene
+from encoders.corpus.made import settle
 from encoders.corpus.scene import Scene
 from encoders.motion import FPS, Motion
 from encoders.skeleton import INDEX
@@ -36,36 +38,37 @@ class MarkedTake:
 
 
 def made_take(rng: Generator, *, least: float = 30.0, most: float = 120.0) -> MarkedTake:
-    """A made take of `least` to `most` seconds: one performer, one action after another, each described."""
+    """A made take that ends with the first clip after `least` to `most` seconds: one action after another.
+
+    Each action is described once; the sentence is marked wherever something happens of which it is known to be true.
+    """
     wanted = rng.uniform(least, most)
-    groups: list[tuple[object, ...]] = []
     clips: list[NDArray[np.float32]] = []
-    marked: list[tuple[str, float, float, Scene]] = []
+    happens: list[tuple[frozenset[str], tuple[float, float]]] = []
+    said: list[tuple[str, frozenset[str]]] = []
     at = 0.0
     while at < wanted:
-        scene = random_scene(rng)
+        scene = settle(random_scene(rng), rng)
         clip = make_clip(scene, rng)
         for group, (start, end) in zip(scene.steps, clip.spans, strict=True):
             alone = Scene((group,))
-            marked.append((describe(alone, rng).text, at + start, at + end, alone))
+            caption = describe(alone, rng)
+            happens.append((facts(alone), (at + start, at + end)))
+            said.append((caption.text, facts(caption.scene)))
         clips.append(clip.joints)
-        groups.append(scene.steps)
         at += len(clip.joints) / clip.fps
-    same: dict[Scene, list[tuple[float, float]]] = {}
-    for _, start, end, scene in marked:
-        same.setdefault(scene, []).append((start, end))
-    return MarkedTake(Motion(join(clips), FPS), tuple(Marked(text, tuple(same[scene])) for text, _, _, scene in marked))
+    marked = {text: Marked(text, tuple(span for true, span in happens if meaning <= true)) for text, meaning in said}
+    return MarkedTake(Motion(join(clips), FPS), tuple(marked.values()))
 
 
 def joined_take(clips: Sequence[tuple[Motion, str]]) -> MarkedTake:
     """Real clips end to end; a sentence that occurs twice is right at both places."""
+    joints = [motion.resample(FPS).joints for motion, _ in clips]
+    times = np.cumsum([0, *map(len, joints)]) / FPS
     same: dict[str, list[tuple[float, float]]] = {}
-    at = 0.0
-    for motion, sentence in clips:
-        same.setdefault(sentence, []).append((at, at + motion.duration))
-        at += motion.duration
-    joints = join([motion.resample(FPS).joints for motion, _ in clips])
-    return MarkedTake(Motion(joints, FPS), tuple(Marked(text, tuple(spans)) for text, spans in same.items()))
+    for (_, sentence), start, end in zip(clips, times[:-1], times[1:], strict=True):
+        same.setdefault(sentence, []).append((float(start), float(end)))
+    return MarkedTake(Motion(join(joints), FPS), tuple(Marked(text, tuple(spans)) for text, spans in same.items()))
 
 
 def join(clips: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 
 from encoders.corpus.facts import facts
+from encoders.corpus.language import HeldOut
 from encoders.corpus.made import made_clips
 from encoders.corpus.real import CaptionedTake, real_clips
 from encoders.corpus.seeds import TRAINING
@@ -22,17 +22,10 @@ from encoders.tmr.data import Pair, PairStore
 SHARD = 2500
 
 
-def normalised(sentence: str) -> str:
-    """A sentence by its letters and digits alone, so that spelling it otherwise does not hide it."""
-    return " ".join("".join(c if c.isalnum() else " " for c in sentence.lower()).split())
-
-
-def made_store(
-    path: Path, seed: int, count: int, kind: str, sentences: Sequence[str], held_out: frozenset[str]
-) -> PairStore:
+def made_store(path: Path, seed: int, count: int, kind: str, sentences: Sequence[str], held_out: HeldOut) -> PairStore:
     """`count` made clips, from `path` if they are there, else made and kept there."""
     if not path.exists():
-        clips = made_clips(seed, count, FEATURE_KINDS[kind], sentences=sentences, held_out=partial(_in, held_out))
+        clips = made_clips(seed, count, FEATURE_KINDS[kind], sentences=sentences, held_out=held_out)
         PairStore(Pair(m.features, m.captions, m.meanings, facts(m.scene), m.swapped) for m in clips).save(path)
     return PairStore.load(path)
 
@@ -42,7 +35,7 @@ def made_stores(
     count: int,
     kind: str,
     sentences: Sequence[str],
-    held_out: frozenset[str],
+    held_out: HeldOut,
     *,
     seed: int = TRAINING,
     jobs: int | None = None,
@@ -63,23 +56,17 @@ def made_stores(
     return PairStore.joined([PairStore.load(path) for path in paths])
 
 
-def _make_shard(path: Path, seed: int, kind: str, sentences: Sequence[str], held_out: frozenset[str]) -> None:
+def _make_shard(path: Path, seed: int, kind: str, sentences: Sequence[str], held_out: HeldOut) -> None:
     made_store(path, seed, SHARD, kind, sentences, held_out)
 
 
-def _in(held_out: frozenset[str], sentence: str) -> bool:
-    return normalised(sentence) in held_out
-
-
-def real_store(
-    takes: Iterable[CaptionedTake], kind: FeatureKind, *, varied: bool, held_out: frozenset[str]
-) -> PairStore:
+def real_store(takes: Iterable[CaptionedTake], kind: FeatureKind, *, varied: bool, held_out: HeldOut) -> PairStore:
     """Pairs of captioned takes."""
     return PairStore(
         Pair(features, kept)
         for take in takes
         for features, captions in real_clips(take, kind, varied=varied)
-        if (kept := tuple(c for c in captions if not _in(held_out, c)))
+        if (kept := tuple(c for c in captions if not held_out(c)))
     )
 
 

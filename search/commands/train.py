@@ -48,21 +48,26 @@ def train(
       motionseek model train runs/default --real data/mocap --captions captions.jsonl --sentences sentences.txt
       motionseek model train runs/quick --made 2000 --steps 200
     """
+    from encoders.corpus.language import HeldOut
     from encoders.corpus.seeds import VALIDATION
     from encoders.kinds import FEATURE_KINDS
     from encoders.tmr.language import LanguageModel
-    from encoders.tmr.material import made_store, made_stores, normalised, real_store, unrelated_sentences
+    from encoders.tmr.material import made_store, made_stores, real_store, unrelated_sentences
     from encoders.tmr.run import prepare
     from encoders.tmr.run import train as train_in
     from encoders.tmr.train import Recipe
     from indexer.captioned import captioned_takes
 
-    chosen = Recipe.from_dict(Recipe().to_dict() | (json.loads(recipe.read_text("utf-8")) if recipe else {}))
-    if steps is not None:
-        chosen = Recipe.from_dict(chosen.to_dict() | {"steps": steps})
+    if (real is None) != (captions is None):
+        raise click.UsageError("--real and --captions belong together")
+    changes = json.loads(recipe.read_text("utf-8")) if recipe else {}
+    unknown = sorted(set(changes) - set(Recipe().to_dict()))
+    if unknown:
+        raise click.UsageError(f"{recipe}: a recipe has no {', '.join(unknown)}; see docs/training.md")
+    chosen = Recipe.from_dict(Recipe().to_dict() | changes | ({"steps": steps} if steps else {}))
     kind = FEATURE_KINDS["body"]
-    banned = frozenset(normalised(text) for path in held_out for text in _sentences(path))
-    lines = [text for text in _sentences(sentences) if normalised(text) not in banned] if sentences else []
+    banned = HeldOut(text for path in held_out for text in _sentences(path))
+    lines = [text for text in _sentences(sentences) if not banned(text)] if sentences else []
     clips = made_stores(run, made, kind.name, lines, banned, jobs=jobs, say=click.echo)
     validation = made_store(run / "validation.npz", VALIDATION, 1000, kind.name, (), banned)
     stores = [

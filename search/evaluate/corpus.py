@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.bundle import Bundle
-from encoders.corpus.facts import facts, stated_by
-from encoders.corpus.made import Made
+from encoders.corpus.made import Made, true_of
 from encoders.metrics import in_batches, ranks, recalls, text_motion
 
 
@@ -28,7 +26,7 @@ def evaluate_corpus(clips: Iterable[Made], bundle: Bundle) -> dict[str, dict[str
     sentences = [clip.captions[0] for clip in clips]
     similarity = bundle.encode_texts(sentences) @ gallery.T
     same = np.array(sentences)[:, None] == np.array(sentences)[None, :]
-    true = _true_of(clips) | same
+    true = true_of(clips) | same
     rows = [i for i, clip in enumerate(clips) if clip.swapped]
     false = np.einsum("nd,nd->n", bundle.encode_texts([clips[i].swapped[0] for i in rows]), gallery[rows])
     both = text_motion(similarity, same)
@@ -42,10 +40,3 @@ def evaluate_corpus(clips: Iterable[Made], bundle: Bundle) -> dict[str, dict[str
             "pairs": float(len(rows)),
         },
     }
-
-
-def _true_of(clips: list[Made]) -> NDArray[np.bool_]:
-    words: dict[str, int] = {}
-    stated = [[words.setdefault(f, len(words)) for f in clip.meanings[0]] for clip in clips]
-    holds = [[words.setdefault(f, len(words)) for f in facts(clip.scene)] for clip in clips]
-    return stated_by(stated, holds, len(words))

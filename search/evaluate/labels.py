@@ -74,6 +74,9 @@ def read_table(path: Path, columns: Sequence[str]) -> list[dict[str, str]]:
     missing = [c for c in columns if not rows or c not in rows[0]]
     if missing:
         raise QueryError(f"{path}: needs a header line with {', '.join(columns)} and at least one row")
+    for number, row in enumerate(rows, 2):
+        if not all(row[c] for c in columns):
+            raise QueryError(f"{path}: row {number} lacks {' or '.join(columns)}")
     return rows
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle import Bundle
+from encoders.errors import BundleError
 from search import strength
 from search.query import encode_queries
 
@@ -15,7 +16,15 @@ SENTENCES = Path(__file__).parent / "data" / "out_of_domain.txt"
 
 
 def evaluate_nonsense(bundle: Bundle, gallery: NDArray[np.float32]) -> dict[str, float]:
-    """Percent of out-of-domain sentences whose best hit in a gallery (N, D) is called strong, or plausible."""
+    """Percent of out-of-domain sentences whose best hit in a gallery (N, D) is called strong, or plausible.
+
+    Raises
+    ------
+    BundleError
+        If the bundle carries no calibration, and so calls nothing anything.
+    """
+    if bundle.calibration is None:
+        raise BundleError(f"{bundle.folder}: carries no calibration; 'motionseek model release' makes bundles that do")
     sentences = [line for line in SENTENCES.read_text(encoding="utf-8").splitlines() if line.strip()]
     queries = encode_queries(bundle, sentences)
     judged = [strength.judge(bundle, q, [float(np.max(gallery @ q))])[0] for q in queries]
