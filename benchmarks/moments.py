@@ -23,11 +23,11 @@ from indexer import load_motion
 from indexer.vectors import FlatVectors, Rows
 from indexer.windows import LENGTHS as STORED
 from indexer.windows import OVERLAP
-from search.dense import every, join, score_windows
+from search.dense import Scored, every, score_windows
 from search.evidence import best_spans
-from search.moments import PROPOSALS, propose, score_take, sharpen
+from search.moments import Moment, localise, score_take
 from search.query import encode_queries
-from search.refine import LENGTHS
+from search.refine import CURVE_LENGTHS
 from search.spans import iou
 
 DEMO = Path(__file__).resolve().parent.parent / "search" / "demo_data"
@@ -43,7 +43,7 @@ def long_take(seconds: float) -> Motion:
 
 
 def dense(seconds: float = 600.0, alone: int = 600) -> None:
-    """The answer for a 10-minute take, by looking everywhere and by looking where it is worth it."""
+    """Similarity over all of a 10-minute take, and the moments in it, against encoding every window alone in torch."""
     import torch
 
     from encoders.tmr.export import default_config
@@ -54,8 +54,8 @@ def dense(seconds: float = 600.0, alone: int = 600) -> None:
     motion = long_take(seconds)
     features = bundle.features(motion)
     queries = encode_queries(bundle, SENTENCES)
-    sizes = [round(length * bundle.fps) for length in LENGTHS]
-    windows = [(int(start), size) for size in sizes for start in every(len(features), size)]
+    lengths = sorted({round(length * bundle.fps) for length in (*CURVE_LENGTHS, *STORED)})
+    windows = [(int(start), size) for size in lengths for start in every(len(features), size)]
     network = TMR(default_config(features.shape[1], 384)).motion_encoder.eval()
     chosen = windows[:: max(1, len(windows) // alone)]
     began = time.perf_counter()
@@ -64,32 +64,37 @@ def dense(seconds: float = 600.0, alone: int = 600) -> None:
             window = torch.from_numpy(features[None, start : start + size])
             network.mean(window, torch.ones(1, size, dtype=torch.bool))
     plain = (time.perf_counter() - began) / len(chosen) * len(windows)
-    print(f"{len(windows)} windows of a take of {motion.duration:.0f} s")
+    print(f"{motion.duration:.0f} s, {len(windows)} windows of {[s / bundle.fps for s in lengths]} s at every frame")
     print(f"each alone in torch fp32 (timed on {len(chosen)}): {plain:.1f} s")
 
     began = time.perf_counter()
-    scored = join([score_windows(bundle, features, bundle.fps, every(len(features), s), s, queries) for s in sizes])
+    full = [score_windows(bundle, features, bundle.fps, every(len(features), s), s, queries) for s in lengths]
     batched = time.perf_counter() - began
-    print(
-        f"all, batched in ONNX Runtime, {len(SENTENCES)} sentences: {batched:.2f} s ({plain / batched:.0f} times as fast)"
-    )
+    print(f"all of them in batches: {batched:.2f} s, {plain / batched:.0f} times as fast")
+    dense_answers = [_from_everything(bundle, features, queries, i, full) for i in range(len(SENTENCES))]
     fresh, stored, overlaps = [], [], []
-    for i in range(len(SENTENCES)):
+    for i, truth in enumerate(dense_answers):
         query = queries[i : i + 1]
         began = time.perf_counter()
-        coarse = join(score_take(bundle, features, bundle.fps, query))
+        coarse = score_take(bundle, features, bundle.fps, query)
         proposed = time.perf_counter()
-        guesses = propose(coarse, PROPOSALS)
-        found = sharpen(bundle, lambda start, end: (features, 0.0), bundle.fps, query, guesses, 1)[0]
+        found = localise(bundle, features, bundle.fps, query, 1, coarse=coarse)[0]
         ended = time.perf_counter()
         fresh.append(ended - began)
         stored.append(ended - proposed)
-        truth = propose(type(scored)(scored.starts, scored.ends, scored.scores[i : i + 1]), 1)[0]
         overlaps.append(float(iou([found.start], [found.end], truth.start, truth.end)[0]))
     for name, times in (("a file", fresh), ("an indexed clip", stored)):
         taken = float(np.median(times))
-        print(f"moments in {name}: {taken:.3f} s a sentence ({plain / taken:.0f} times as fast)")
-    print(f"the same answer: overlap with looking everywhere {np.round(overlaps, 2).tolist()}")
+        print(f"moments in {name}: {taken:.3f} s a sentence, {plain / taken:.0f} times as fast")
+    print(f"overlap with the answer out of all windows: {np.round(overlaps, 2).tolist()}")
+
+
+def _from_everything(
+    bundle: Bundle, features: NDArray[np.float32], queries: NDArray[np.float32], i: int, full: list[Scored]
+) -> Moment:
+    """The answer where every window is a candidate and every place is looked at closely."""
+    scored = [Scored(s.starts, s.ends, s.scores[i : i + 1]) for s in full]
+    return localise(bundle, features, bundle.fps, queries[i : i + 1], 1, coarse=scored)[0]
 
 
 def memory(seconds: float = 7200.0) -> None:

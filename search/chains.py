@@ -7,40 +7,64 @@ from collections.abc import Sequence
 import numpy as np
 
 from search.dense import Encoder, Scored, Vectors, every, join, score_windows
-from search.moments import Moment, score_take
-from search.refine import LENGTHS, fitness
+from search.moments import REACH, Moment, Region, fitness
+from search.refine import best_spans, frame_curve, gains
 from search.steps import in_order
 
-#: Takes up to so many feature frames are searched densely; longer ones by their coarse windows.
-_DENSE_FRAMES = 3000
+#: Lengths in seconds of the windows from which steps are chosen, and frames from one to the next.
+_LENGTHS = (1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0)
 _STRIDE = 2
 
 
 def candidates(encoder: Encoder, features: Vectors, fps: float, queries: Vectors) -> Scored:
     """Windows of a take from which steps are chosen, compared with the steps' queries (S, D)."""
     frames = len(features)
-    if frames > _DENSE_FRAMES:
-        return join(score_take(encoder, features, fps, queries))
-    sizes = [size for size in (round(seconds * fps) for seconds in LENGTHS) if size <= frames] or [frames]
+    sizes = [size for size in (round(seconds * fps) for seconds in _LENGTHS) if size <= frames] or [frames]
     return join([score_windows(encoder, features, fps, every(frames, size, _STRIDE), size, queries) for size in sizes])
 
 
-def best_chain(windows: Scored) -> tuple[list[Moment], float] | None:
-    """The best span of each step, each beginning after the one before has ended, and the value of the whole.
+def best_chain(windows: Scored) -> list[Moment]:
+    """The best window of each step, each beginning after the one before has ended; none where no chain fits.
 
     Parameters
     ----------
     windows : Scored
         Candidates and their similarity to each step.
     """
-    found = in_order(windows.starts, windows.ends, fitness(windows))
-    if found is None:
-        return None
-    chosen, value = found
+    found = in_order(windows.starts, windows.ends, fitness(windows.scores, windows.lengths))
     return [
         Moment(float(windows.starts[i]), float(windows.ends[i]), float(windows.scores[step, i]))
-        for step, i in enumerate(chosen)
-    ], value
+        for step, i in enumerate(found[0] if found else ())
+    ]
+
+
+def sharpen_chain(
+    encoder: Encoder, region: Region, fps: float, queries: Vectors, chain: Sequence[Moment], levels: Sequence[float]
+) -> list[Moment]:
+    """The chain with its boundaries where similarity over time rises and falls, still in order.
+
+    Parameters
+    ----------
+    queries : float32 array (S, D)
+        One a step.
+    levels : sequence of float
+        What motion that does not fit scores for each step.
+    """
+    start, end = max(chain[0].start - REACH, 0.0), chain[-1].end + REACH
+    features, offset = region(start, end)
+    first = max(round((start - offset) * fps), 0)
+    part = features[first : max(round((end - offset) * fps), first + 1)]
+    offset += first / fps
+    similarity = frame_curve(encoder, part, fps, queries)
+    rows = []
+    for values, step, level in zip(similarity, chain, levels, strict=True):
+        a = min(max(round((step.start - offset) * fps), 0), len(part) - 1)
+        b = min(max(round((step.end - offset) * fps), a + 1), len(part))
+        rows.append(gains(values, level, a, b, reach=round(REACH * fps)))
+    return [
+        Moment(offset + a / fps, offset + b / fps, float(values[a:b].mean()))
+        for values, (a, b) in zip(similarity, best_spans(rows), strict=True)
+    ]
 
 
 def whole(chain: Sequence[Moment]) -> Moment:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,10 @@ _CHUNK = 4096
 
 class Encoder(Protocol):
     """What dense search asks of a model bundle."""
+
+    @property
+    def calibration(self) -> dict[str, NDArray[Any]] | None:
+        """Among others "motions": unit vectors (M, D) of unrelated motion."""
 
     def encode_windows(self, features: Vectors, starts: NDArray[np.integer], length: int) -> Vectors:
         """Unit vectors (N, D) of the windows ``features[start : start + length]``."""
@@ -43,7 +48,7 @@ class Scored:
         return self.ends - self.starts
 
 
-def join(parts: list[Scored]) -> Scored:
+def join(parts: Sequence[Scored]) -> Scored:
     """All windows of all parts."""
     return Scored(
         np.concatenate([p.starts for p in parts]),

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indexer.library import Library
-from search.moments import OVERLAP
-from search.refine import length_bonus
+from search.moments import OVERLAP, fitness
 from search.spans import suppress
 
 Vectors = NDArray[np.float32]
@@ -85,7 +84,7 @@ def best_spans(library: Library, query: Vectors, k: int, *, allowed: NDArray[np.
     while True:
         scores, ids, starts, ends = (a[0] for a in library.nearest_windows(query[None], count, allowed=allowed))
         real = ids >= 0
-        value = scores[real] + length_bonus(ends[real] - starts[real])
+        value = fitness(scores[real], ends[real] - starts[real])
         # One time line for all clips, far enough apart that spans of different clips never overlap.
         shift = np.unique(ids[real], return_inverse=True)[1] * (float(ends[real].max(initial=0.0)) + 1.0)
         kept = suppress(starts[real] + shift, ends[real] + shift, value, k, overlap=OVERLAP)

@@ -1,4 +1,4 @@
-"""Where in a take it happens: coarse windows propose, dense ones decide."""
+"""Where in a take it happens: coarse windows propose places, similarity around them says from when to when."""
 
 from __future__ import annotations
 
@@ -6,25 +6,30 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from indexer import windows
 from search.dense import Encoder, Scored, Vectors, join, score_windows
-from search.refine import fitness, refine
-from search.spans import suppress
+from search.refine import best_spans, frame_curve, gains
+from search.spans import iou, suppress
 
 #: Answers overlap by at most this intersection over union.
 OVERLAP = 0.3
+#: Places looked at closely for each answer asked for, and at least.
+_PLACES, _LEAST_PLACES = 3, 8
+#: What doubling a window's length is worth in cosine, when places are proposed and when answers are ranked: a window
+#: inside a long action scores like the whole of it.
+_PLACE_BONUS, _ANSWER_BONUS = 0.03, 0.015
+#: How far from a proposed place its boundaries may lie, in seconds.
+REACH = 4.0
 
-#: Regions looked at closely for each answer asked for.
-PROPOSALS = 3
-
-#: (start, end) in seconds -> features of a part of the take with room around that span, and the second it begins at.
+#: (start, end) in seconds -> features of a part of the take that holds that span, and the second the part begins at.
 Region = Callable[[float, float], tuple[Vectors, float]]
 
 
 @dataclass(frozen=True)
 class Moment:
-    """A span of a take, in seconds, and its similarity to the query."""
+    """A span of a take, in seconds, and its similarity to the query: the mean over its instants."""
 
     start: float
     end: float
@@ -45,17 +50,35 @@ def score_stored(stored: Sequence[windows.Windows], queries: Vectors) -> list[Sc
     ]
 
 
-def propose(windows: Scored, count: int) -> list[Moment]:
-    """The best windows that overlap no better one, best first; scores are those of the worst query."""
-    kept = suppress(windows.starts, windows.ends, fitness(windows).min(axis=0), count, overlap=OVERLAP)
-    scores = windows.scores.min(axis=0)
-    return [Moment(float(windows.starts[i]), float(windows.ends[i]), float(scores[i])) for i in kept]
+def fitness(scores: NDArray[np.floating], seconds: NDArray[np.floating]) -> NDArray[np.float64]:
+    """How well windows answer: their similarity, and a little for their length."""
+    return np.asarray(scores + _PLACE_BONUS * np.log2(np.maximum(seconds, 0.1)), np.float64)
+
+
+def propose(coarse: Scored, k: int) -> list[Moment]:
+    """Places worth a close look for k answers: the best windows that overlap no better one, best first."""
+    scores = coarse.scores.min(axis=0)
+    count = max(_PLACES * k, _LEAST_PLACES)
+    kept = suppress(coarse.starts, coarse.ends, fitness(scores, coarse.lengths), count, overlap=OVERLAP)
+    return [Moment(float(coarse.starts[i]), float(coarse.ends[i]), float(scores[i])) for i in kept]
+
+
+def usual_level(encoder: Encoder, coarse: Sequence[Scored], queries: Vectors) -> float:
+    """What motion that does not fit scores: the median of the take or that of unrelated motion, whichever is lower.
+
+    The take's own would mislead where one action fills it.
+    """
+    level = float(np.median(coarse[0].scores.min(axis=0)))
+    if encoder.calibration is None:
+        return level
+    unrelated = encoder.calibration["motions"].astype(np.float32) @ queries.T
+    return min(level, float(np.median(unrelated.min(axis=1))))
 
 
 def sharpen(
-    encoder: Encoder, region: Region, fps: float, queries: Vectors, guesses: Sequence[Moment], k: int
+    encoder: Encoder, region: Region, fps: float, queries: Vectors, places: Sequence[Moment], level: float, k: int
 ) -> list[Moment]:
-    """The best moments near first guesses, by encoding densely around them.
+    """The best moments near proposed places, best first.
 
     Parameters
     ----------
@@ -65,17 +88,24 @@ def sharpen(
         Feature frames a second.
     queries : float32 array (Q, D)
         Unit vectors.
+    level : float
+        See `usual_level`.
     """
-    if not guesses:
-        return []
-    found = []
-    for guess in guesses:
-        features, offset = region(guess.start, guess.end)
-        first = min(max(round((guess.start - offset) * fps), 0), len(features) - 1)
-        last = max(min(round((guess.end - offset) * fps), len(features)), first + 1)
-        near = refine(encoder, features, fps, queries, first, last)
-        found.append(Scored(near.starts + offset, near.ends + offset, near.scores))
-    return propose(join(found), k)
+    found: list[Moment] = []
+    for start, end, inside in _stretches(places):
+        features, offset = region(start, end)
+        first, last = max(round((start - offset) * fps), 0), max(round((end - offset) * fps), 1)
+        part = features[first:last] if first < len(features) else features[-1:]
+        offset += first / fps
+        similarity = frame_curve(encoder, part, fps, queries).min(axis=0)
+        for place in inside:
+            a = min(max(round((place.start - offset) * fps), 0), len(part) - 1)
+            b = min(max(round((place.end - offset) * fps), a + 1), len(part))
+            [(a, b)] = best_spans([gains(similarity, level, a, b, reach=round(REACH * fps))])
+            found.append(Moment(offset + a / fps, offset + b / fps, float(similarity[a:b].mean())))
+    starts, ends, scores = (np.array([getattr(m, name) for m in found]) for name in ("start", "end", "score"))
+    value = scores + _ANSWER_BONUS * np.log2(np.maximum(ends - starts, 0.1))
+    return [found[i] for i in suppress(starts, ends, value, k, overlap=OVERLAP)]
 
 
 def localise(
@@ -102,5 +132,25 @@ def localise(
     coarse : sequence of Scored
         The take's coarse windows compared with the queries, where a library has them.
     """
-    guesses = propose(join(list(coarse) or score_take(encoder, features, fps, queries)), PROPOSALS * k)
-    return sharpen(encoder, lambda start, end: (features, 0.0), fps, queries, guesses, k)
+    coarse = coarse or score_take(encoder, features, fps, queries)
+    level = usual_level(encoder, coarse, queries)
+    return sharpen(encoder, lambda start, end: (features, 0.0), fps, queries, propose(join(coarse), k), level, k)
+
+
+def overlap(a: Moment, b: Moment) -> float:
+    """Intersection over union of two spans."""
+    return float(iou([a.start], [a.end], b.start, b.end)[0])
+
+
+def _stretches(places: Sequence[Moment]) -> list[tuple[float, float, list[Moment]]]:
+    """Stretches of time that hold the places and `REACH` on either side, those that overlap made one."""
+    joined: list[tuple[float, float, list[Moment]]] = []
+    for place in sorted(places, key=lambda p: p.start):
+        start, end = max(place.start - REACH, 0.0), place.end + REACH
+        if joined and start <= joined[-1][1]:
+            before, until, inside = joined.pop()
+            start, end, inside = before, max(until, end), [*inside, place]
+        else:
+            inside = [place]
+        joined.append((start, end, inside))
+    return joined

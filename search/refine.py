@@ -1,56 +1,84 @@
-"""Boundaries of a moment: the window whose start and end fit the query best, found by encoding around a first guess."""
+"""Boundaries of a moment: where similarity over time stands high, measured by short windows at every other frame."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from search.dense import Encoder, Frames, Scored, Vectors, join, score_windows
+from search.dense import Encoder, Vectors, curve, every, score_windows
 
-#: Window lengths tried, in seconds, from a gesture to the longest motion the model takes in whole.
-LENGTHS = (1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0)
+#: Lengths in seconds of the windows whose similarities are averaged at each instant, and frames from one to the next.
+CURVE_LENGTHS = (1.4, 2.0, 2.8)
+STRIDE = 2
 
-#: What doubling a window's length is worth in cosine: a window inside a long action scores like the whole of it.
-LENGTH_PRIOR = 0.02
-
-
-def length_bonus(seconds: NDArray[np.floating]) -> NDArray[np.float64]:
-    """What is added to a window's similarity for its length."""
-    return np.asarray(LENGTH_PRIOR * np.log2(np.maximum(seconds, 0.1)), np.float64)
+#: A moment goes on while similarity stays in the upper quarter between the motion's usual level and its peak, or
+#: within so much of the peak.
+_UPPER = 0.25
+_LEAST_DROP = 0.08
 
 
-def fitness(windows: Scored) -> NDArray[np.float64]:
-    """How well windows answer (Q, N): their similarity, and a little for their length."""
-    return np.asarray(windows.scores + length_bonus(windows.lengths), np.float64)
+def frame_curve(encoder: Encoder, features: Vectors, fps: float, queries: Vectors) -> Vectors:
+    """Similarity (Q, T') of a stretch of motion (T', F) to queries (Q, D), one value a feature frame."""
+    frames = len(features)
+    times = (np.arange(frames, dtype=np.float64) + 0.5) / fps
+    curves = []
+    for seconds in CURVE_LENGTHS:
+        length = min(round(seconds * fps), frames)
+        windows = score_windows(encoder, features, fps, every(frames, length, STRIDE), length, queries)
+        curves.append(curve(windows, times))
+    return np.asarray(np.mean(curves, axis=0), np.float32)
 
 
-def around(frames: int, fps: float, start: int, end: int) -> dict[int, Frames]:
-    """Windows near a first guess: lengths from half to twice its own, moved by up to half of it.
+def gains(similarity: NDArray[np.floating], level: float, first: int, last: int, *, reach: int) -> NDArray[np.float64]:
+    """What each frame adds to a moment first guessed at the frames from `first` to `last`.
+
+    Positive where the moment goes on; frames further than `reach` from the guess never belong to it.
 
     Parameters
     ----------
-    frames : int
-        Feature frames of the take.
-    fps : float
-        Feature frames a second.
-    start, end : int
-        The guess, in feature frames.
+    similarity : array (T',)
+    level : float
+        What motion that does not fit scores.
+    """
+    peak = float(similarity[first:last].max())
+    threshold = peak - max(_UPPER * (peak - level), _LEAST_DROP)
+    gain = np.asarray(similarity, np.float64) - threshold
+    gain[: max(first - reach, 0)] = gain[last + reach :] = -np.inf
+    return gain
+
+
+def best_spans(gain: Sequence[NDArray[np.float64]]) -> list[tuple[int, int]]:
+    """Consecutive spans of frames, one a row, that add up to most; each begins where the one before ends or later.
+
+    Kadane's algorithm for one row, its extension by dynamic programming for several: the best chain that ends at each
+    frame is the row's sum since the best beginning, plus the best chain of the rows before up to there.
+
+    Parameters
+    ----------
+    gain : sequence of S float64 arrays (T',)
 
     Returns
     -------
-    dict
-        Length -> starts (N,), both in feature frames.
+    list of (start, end), S frames ranges of at least one frame, `end` exclusive
     """
-    length = end - start
-    reach = max(length // 2, 1)
-    sizes = {round(seconds * fps) for seconds in LENGTHS} | {length}
-    fitting = sorted(size for size in sizes if length <= 2 * size and size <= min(2 * length, frames))
-    first, last = max(start - reach, 0), min(end + reach, frames)
-    found = {size: np.arange(first, last - size + 1, dtype=np.int64) for size in fitting}
-    return {size: starts for size, starts in found.items() if len(starts)}
-
-
-def refine(encoder: Encoder, features: Vectors, fps: float, queries: Vectors, start: int, end: int) -> Scored:
-    """All windows near a first guess (feature frames), compared with queries (Q, D)."""
-    candidates = around(len(features), fps, start, end)
-    return join([score_windows(encoder, features, fps, at, size, queries) for size, at in candidates.items()])
+    frames = len(gain[0])
+    numbers = np.arange(frames + 1)
+    before = np.zeros(frames + 1)  # the best chain of the rows so far that ends at or before each frame
+    links = []
+    for row in gain:
+        total = np.concatenate([[0.0], np.cumsum(np.maximum(row, -1e6))])
+        opening = before - total
+        best = np.maximum.accumulate(opening)
+        begin = np.maximum.accumulate(np.where(opening >= best, numbers, 0))
+        ending = np.concatenate([[-np.inf], total[1:] + best[:-1]])
+        before = np.maximum.accumulate(ending)
+        end = np.maximum.accumulate(np.where(ending >= before, numbers, 0))
+        links.append((np.concatenate([[0], begin[:-1]]), end))
+    found, at = [], frames
+    for begin, end in reversed(links):
+        last = int(end[at])
+        at = int(begin[last])
+        found.append((at, last))
+    return found[::-1]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 #: What each second between two steps costs, in cosine: steps follow one another closely.
-GAP_COST = 0.01
+GAP_COST = 0.08
 
 _ORDER = re.compile(
     r"\s*[,;.]?\s*\b(?:and\s+)?(?:then|after\s+that|afterwards?|next|finally|followed\s+by)\b\s*,?\s*(?:and\s+)?"

@@ -12,23 +12,22 @@ from encoders.motion import Motion
 from indexer.clips import Caption
 from indexer.windows import LENGTHS as STORED_LENGTHS
 from indexer.windows import OVERLAP
-from search.chains import best_chain, candidates, whole
-from search.dense import Scored, Vectors, curve, every, join, score_windows
+from search.chains import best_chain, candidates, sharpen_chain, whole
+from search.dense import Scored, Vectors, curve, join
 from search.hits import Hit, Step
-from search.moments import PROPOSALS, Moment, Region, propose, score_stored, sharpen
+from search.moments import Moment, Region, propose, score_stored, sharpen, usual_level
 from search.question import Question
+from search.refine import frame_curve
 from search.source import Source
 from search.strength import judge
 from search.vocabulary import vocabulary
 
 Found = tuple[Moment, tuple[Step, ...]]
 
-#: Takes up to so many seconds are looked at as a whole and densely; of longer ones, the stored windows say where.
+#: Takes up to so many seconds are read as a whole; of longer ones in a library, only where something is.
 LONG = 300.0
-#: Seconds of motion around a span that is looked at closely: what features see of a take beyond a window is slow.
+#: Seconds of motion read around a part of a long clip: what features see of a take beyond a window is slow.
 _ROOM = 8.0
-#: The length of the windows of which the curve is made, in seconds: the shortest that a library holds.
-CURVE_WINDOW = STORED_LENGTHS[0]
 
 
 def moments_in(bundle: Bundle, source: Source, question: Question, k: int) -> list[Hit]:
@@ -44,23 +43,24 @@ def moments_in(bundle: Bundle, source: Source, question: Question, k: int) -> li
 
 def find(bundle: Bundle, source: Source, question: Question, queries: Vectors, k: int) -> list[Found]:
     """Spans of one motion that answer a question whose sentences are unit vectors (S, D), with their steps."""
+    coarse, region = coarse_windows(bundle, source, queries), region_of(bundle, source)
     if question.how != "then":
-        guesses = propose(coarse_windows(bundle, source, queries), PROPOSALS * k)
-        return [(m, ()) for m in sharpen(bundle, region_of(bundle, source), bundle.fps, queries, guesses, k)]
-    if source.duration > LONG:
-        windows = coarse_windows(bundle, source, queries)
-    else:
-        windows = candidates(bundle, source.features(bundle), bundle.fps, queries)
-    chain = best_chain(windows)
-    if chain is None:
+        level = usual_level(bundle, coarse, queries)
+        places = propose(join(coarse), k)
+        return [(m, ()) for m in sharpen(bundle, region, bundle.fps, queries, places, level, k)]
+    is_long = source.duration > LONG
+    chain = best_chain(join(coarse) if is_long else candidates(bundle, source.features(bundle), bundle.fps, queries))
+    if not chain:
         return []
-    steps = tuple(Step(text, m.start, m.end, m.score) for text, m in zip(question.sentences, chain[0], strict=True))
-    return [(whole(chain[0]), steps)]
+    levels = [usual_level(bundle, score_stored(source.windows(bundle), query[None]), query[None]) for query in queries]
+    chain = sharpen_chain(bundle, region, bundle.fps, queries, chain, levels)
+    steps = tuple(Step(text, m.start, m.end, m.score) for text, m in zip(question.sentences, chain, strict=True))
+    return [(whole(chain), steps)]
 
 
-def coarse_windows(bundle: Bundle, source: Source, queries: Vectors) -> Scored:
+def coarse_windows(bundle: Bundle, source: Source, queries: Vectors) -> list[Scored]:
     """The windows of a motion that a library holds, or would hold, compared with queries (Q, D)."""
-    return join(score_stored(source.windows(bundle), queries))
+    return score_stored(source.windows(bundle), queries)
 
 
 def region_of(bundle: Bundle, source: Source) -> Region:
@@ -86,7 +86,7 @@ def hit(rank: int, source: Source, moment: Moment, strength: str, steps: tuple[S
 
 
 def curves(bundle: Bundle, source: Source, queries: Vectors) -> tuple[NDArray[np.float64], Vectors]:
-    """Similarity over time: that of the window of `CURVE_WINDOW` seconds around each time.
+    """Similarity over time, as moments are found by it; of a long motion, that of the shortest stored windows.
 
     Parameters
     ----------
@@ -95,18 +95,15 @@ def curves(bundle: Bundle, source: Source, queries: Vectors) -> tuple[NDArray[np
     Returns
     -------
     times : float64 array (T,)
-        Seconds: ten a second, for a long motion as many as there are windows.
+        Seconds.
     similarity : float32 array (Q, T)
     """
     if source.duration > LONG:
-        windows, rate = score_stored(source.windows(bundle), queries)[0], OVERLAP / CURVE_WINDOW
-    else:
-        features = source.features(bundle)
-        length = min(round(CURVE_WINDOW * bundle.fps), len(features))
-        windows = score_windows(bundle, features, bundle.fps, every(len(features), length), length, queries)
-        rate = 10.0
-    times = np.linspace(0, source.duration, max(int(source.duration * rate), 2))
-    return times, curve(windows, times)
+        times = np.arange(0, source.duration, STORED_LENGTHS[0] / OVERLAP, dtype=np.float64)
+        return times, curve(coarse_windows(bundle, source, queries)[0], times)
+    similarity = frame_curve(bundle, source.features(bundle), bundle.fps, queries)
+    times = (np.arange(similarity.shape[1], dtype=np.float64) + 0.5) / bundle.fps
+    return times, similarity
 
 
 def describe_motion(

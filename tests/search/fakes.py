@@ -11,6 +11,8 @@ DIMENSIONS = 8
 class MeanEncoder:
     """Encodes a window as the unit vector of its mean; counts what it encodes."""
 
+    calibration = None
+
     def __init__(self) -> None:
         self.encoded = 0
         self.most_at_once = 0

@@ -30,8 +30,8 @@ def _commands(group: click.Group, ctx: click.Context, name: str = "") -> dict[st
 
 
 ALL = _commands(cli, click.Context(cli))
-#: Commands that do not end with an answer.
-ENDLESS = {"serve"}
+#: Commands whose outcome is no answer but a server, a model or a page.
+ENDLESS = {"serve", "model train", "model release", "model card"}
 
 
 @pytest.mark.parametrize("name", ALL)

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from encoders.errors import QueryError
-from search.chains import best_chain, candidates
+from search.chains import best_chain, candidates, sharpen_chain
 from search.question import Question
-from search.refine import fitness
 from search.spans import iou
 from search.steps import GAP_COST, in_order, split
 from tests.search.fakes import FPS, MeanEncoder, query, take
@@ -78,9 +77,12 @@ def test_no_chain_where_no_window_follows_another() -> None:
 def test_steps_are_found_in_order_even_where_each_alone_fits_better_elsewhere() -> None:
     features = take(60, (5, 8, 2), (20, 23, 1), (24, 27, 2), (27.5, 31, 3), (50, 53, 3))
     features[50:80, 2] += 1  # the second step is clearest before the first
-    windows = candidates(MeanEncoder(), features, FPS, query(1, 2, 3))
-    chain = best_chain(windows)
-    assert chain is not None
+    chain = best_chain(candidates(MeanEncoder(), features, FPS, query(1, 2, 3)))
+    chain = sharpen_chain(MeanEncoder(), lambda start, end: (features, 0.0), FPS, query(1, 2, 3), chain, [0.0] * 3)
     truth = [(20, 23), (24, 27), (27.5, 31)]
-    assert all(iou([m.start], [m.end], a, b)[0] > 0.5 for m, (a, b) in zip(chain[0], truth, strict=True))
-    assert fitness(windows).shape == windows.scores.shape
+    assert all(iou([m.start], [m.end], a, b)[0] > 0.7 for m, (a, b) in zip(chain, truth, strict=True))
+    assert all(before.end <= after.start for before, after in itertools.pairwise(chain))
+
+
+def test_no_chain_in_a_take_too_short_for_it() -> None:
+    assert best_chain(candidates(MeanEncoder(), take(1.2), FPS, query(1, 2, 3))) == []

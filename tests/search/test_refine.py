@@ -1,0 +1,60 @@
+"""Boundaries: the spans that add up to most, in order."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from search.refine import best_spans, frame_curve, gains
+from tests.search.fakes import FPS, MeanEncoder, query, take
+
+
+def _brute(rows: np.ndarray) -> float:
+    count, frames = rows.shape
+    cuts = itertools.combinations_with_replacement(range(frames + 1), 2 * count)
+    spans = (list(zip(cut[::2], cut[1::2], strict=True)) for cut in cuts)
+    return max(
+        sum(row[a:b].sum() for row, (a, b) in zip(rows, chain, strict=True))
+        for chain in spans
+        if all(a < b for a, b in chain)
+    )
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+@pytest.mark.parametrize("seed", range(5))
+def test_the_spans_add_up_to_most_of_all_in_order(count: int, seed: int) -> None:
+    rows = np.random.default_rng(seed).normal(size=(count, 8))
+    found = best_spans(list(rows))
+    assert sum(row[a:b].sum() for row, (a, b) in zip(rows, found, strict=True)) == pytest.approx(_brute(rows))
+    assert all(0 <= a < b <= 8 for a, b in found)
+    assert all(before[1] <= after[0] for before, after in itertools.pairwise(found))
+
+
+def test_a_moment_stays_near_its_place() -> None:
+    gain = gains(np.ones(100), 0.0, 40, 50, reach=10)
+    assert best_spans([gain]) == [(30, 60)]
+
+
+def test_a_moment_ends_where_similarity_falls_by_a_quarter_of_its_height() -> None:
+    similarity = np.concatenate([np.linspace(0, 1, 50), np.linspace(1, 0, 50)])
+    [(start, end)] = best_spans([gains(similarity, 0.0, 45, 55, reach=100)])
+    assert similarity[start] >= 0.75 > similarity[start - 1]
+    assert similarity[end - 1] >= 0.75 > similarity[end]
+
+
+def test_a_flat_curve_is_one_moment() -> None:
+    noise = np.random.default_rng(0).normal(scale=0.01, size=60) + 0.7
+    assert best_spans([gains(noise, 0.69, 20, 30, reach=100)]) == [(0, 60)]
+
+
+def test_the_curve_has_a_value_for_every_frame_and_stands_high_where_it_happens() -> None:
+    curve = frame_curve(MeanEncoder(), take(20, (8, 12, 3)), FPS, query(3, 5))
+    assert curve.shape == (2, 200)
+    assert curve[0, 85:115].min() > curve[0, :60].max()
+
+
+@pytest.mark.parametrize("frames", [1, 3, 15, 30])
+def test_the_curve_of_a_short_motion(frames: int) -> None:
+    assert frame_curve(MeanEncoder(), take(5)[:frames], FPS, query(0)).shape == (1, frames)
