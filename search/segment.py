@@ -10,20 +10,17 @@ from numpy.typing import NDArray
 
 from encoders.bundle import Bundle
 from encoders.motion import Motion
-from search.dense import Vectors, curve, every, score_windows
+from search.dense import Vectors
 from search.query import encode_queries
+from search.refine import frame_curve
 
 #: The label of what none of the labels fits.
 UNKNOWN = ""
 
-#: Windows around each instant whose scores are averaged, in seconds.
-_WINDOWS = (1.6, 3.2)
-#: Instants a second, and encoded windows a second.
-_RATE, _WINDOW_RATE = 5.0, 2.5
 #: What changing the label costs, in seconds times cosine.
-_SWITCH = 0.15
-#: How far a label must stand above what unrelated motion scores for it.
-_MARGIN = 0.05
+_SWITCH = 0.075
+#: A label must stand so far above what nine of ten unrelated motions score for it.
+_MARGIN = 0.02
 _BACKGROUND_PERCENTILE = 90
 
 
@@ -44,15 +41,15 @@ def segment(bundle: Bundle, motion: Motion, labels: Sequence[str]) -> list[Segme
     algorithm with a cost for each change.
     """
     queries = encode_queries(bundle, labels)
-    similarity, times = _similarity(bundle, motion, queries)
+    similarity = frame_curve(bundle, bundle.features(motion), bundle.fps, queries)
     excess = similarity - _unrelated(bundle, queries, similarity)[:, None] - _MARGIN
-    path = best_path(np.vstack([np.zeros(len(times)), excess]), _SWITCH * _RATE)
+    path = best_path(np.vstack([np.zeros(excess.shape[1]), excess]), _SWITCH * bundle.fps)
     starts = np.flatnonzero(np.diff(path, prepend=-1))
     ends = np.append(starts[1:], len(path))
     return [
         Segment(
-            float(times[a]) if a else 0.0,
-            float(times[b]) if b < len(times) else motion.duration,
+            float(a / bundle.fps),
+            float(b / bundle.fps) if b < len(path) else motion.duration,
             labels[path[a] - 1] if path[a] else UNKNOWN,
             float(similarity[path[a] - 1, a:b].mean()) if path[a] else 0.0,
         )
@@ -72,7 +69,7 @@ def best_path(gains: NDArray[np.floating], switch: float) -> NDArray[np.int64]:
     int64 array (T,)
     """
     states, count = gains.shape
-    came_from = np.empty((count, states), np.int32)
+    came_from = np.empty((count, states), np.int16)
     own = np.arange(states)
     value = np.asarray(gains[:, 0], np.float64)
     for t in range(1, count):  # each instant needs the one before
@@ -85,19 +82,6 @@ def best_path(gains: NDArray[np.floating], switch: float) -> NDArray[np.int64]:
     for t in range(count - 1, 0, -1):
         path[t - 1] = came_from[t, path[t]]
     return path
-
-
-def _similarity(bundle: Bundle, motion: Motion, queries: Vectors) -> tuple[Vectors, NDArray[np.float64]]:
-    """Similarity (L, T) of each label at each instant, and the instants in seconds."""
-    features = bundle.features(motion)
-    times = np.arange(max(int(motion.duration * _RATE), 1)) / _RATE
-    stride = max(round(bundle.fps / _WINDOW_RATE), 1)
-    curves = []
-    for seconds in _WINDOWS:
-        length = min(round(seconds * bundle.fps), len(features))
-        starts = every(len(features), length, stride)
-        curves.append(curve(score_windows(bundle, features, bundle.fps, starts, length, queries), times))
-    return np.mean(curves, axis=0), times
 
 
 def _unrelated(bundle: Bundle, queries: Vectors, similarity: Vectors) -> NDArray[np.floating]:
