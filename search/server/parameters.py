@@ -22,7 +22,7 @@ End = Annotated[float | None, _Seconds]
 FileName = Annotated[str, Query(min_length=1, max_length=255, description="The file's name, for its ending.")]
 
 
-def filters(
+async def filters(
     min_duration: Annotated[float | None, _Seconds] = None,
     max_duration: Annotated[float | None, _Seconds] = None,
     path: Annotated[str | None, Query(max_length=500)] = None,
@@ -45,7 +45,7 @@ def filters(
 Filters = Annotated[dict[str, Any], Depends(filters)]
 
 
-def span(start: Start = None, end: End = None) -> tuple[float | None, float | None]:
+async def span(start: Start = None, end: End = None) -> tuple[float | None, float | None]:
     """A span of a clip.
 
     Raises

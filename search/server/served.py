@@ -59,6 +59,7 @@ class ServedLibrary(SearchableLibrary):
     def __init__(self, folder: Path, *, bundle: Bundle | None = None) -> None:
         super().__init__(folder, bundle=bundle)
         self._trouble: MotionSeekError | None = None
+        self._held_queries: Cache[Vectors] = Cache(16_384)
         self._held_ids: Cache[Ids] = Cache(64)
         self._held_clips: Cache[Clip] = Cache(20_000)
         self._held_captions: Cache[list[Caption]] = Cache(20_000)
@@ -160,10 +161,19 @@ class ServedLibrary(SearchableLibrary):
         """Answer many questions, their sentences encoded together; an answer is what `search` gives or raises."""
         answers: list[list[Hit] | Exception] = [self._askable(question) or [] for question in questions]
         sound = [i for i, answer in enumerate(answers) if not isinstance(answer, Exception)]
-        vectors = encode_queries(self.bundle, [questions[i].text for i in sound]) if sound else ()
-        for i, vector in zip(sound, vectors, strict=True):
-            answers[i] = self._answered(questions[i], vector)
+        vectors = self._encoded({questions[i].text for i in sound})
+        for i in sound:
+            answers[i] = self._answered(questions[i], vectors[questions[i].text])
         return answers
+
+    def _encoded(self, sentences: set[str]) -> dict[str, Vectors]:
+        """The query vectors of sentences, encoded now where they are not remembered."""
+        held = {sentence: self._held_queries.get(sentence) for sentence in sentences}
+        new = [sentence for sentence, vector in held.items() if vector is None]
+        found = dict(zip(new, encode_queries(self.bundle, new), strict=True)) if new else {}
+        for sentence, vector in found.items():
+            self._held_queries.put(sentence, vector)
+        return found | {sentence: vector for sentence, vector in held.items() if vector is not None}
 
     def _askable(self, question: Search) -> Exception | None:
         try:
