@@ -27,7 +27,7 @@ Array = NDArray[np.float32]
 DEFAULT = Path(__file__).parent / "bundles" / "default"
 
 #: Frames and tokens a batch holds: enough for full matrix products, little enough to stay in the cores' caches.
-_FRAMES_A_BATCH = 1024
+_FRAMES_A_BATCH = 512
 _TOKENS_A_BATCH = 512
 _SENTENCES_KEPT = 256
 
