@@ -91,7 +91,9 @@ def test_a_curve_for_each_sentence(ask, number):
     assert (curve["clip"], curve["path"], curve["duration"]) == (number(LONG), LONG, 20.0)
     assert list(curve["similarity"]) == ["walks", "waves"]
     assert {len(values) for values in curve["similarity"].values()} == {len(curve["times"])}
-    assert (curve["times"][0], curve["times"][-1]) == (0.0, 20.0)
+    assert 0 <= curve["times"][0] < 1
+    assert 19 < curve["times"][-1] <= 20
+    assert curve["times"] == sorted(curve["times"])
 
 
 def test_describe_answers_what_the_command_line_does(ask, run, indexed, number):
