@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,13 +30,18 @@ def facts(scene: Scene) -> frozenset[str]:
     found: set[str] = set()
     for group in scene.steps:
         for step in group:
-            found.update(_named(step.action, step))
-            if step.action in _KINDS_OF:
-                found.update(_named(_KINDS_OF[step.action], step))
-        found.update(f"{'+'.join(sorted((a.action, b.action)))}" for a, b in combinations(group, 2))
+            found.update(*(_named(name, step) for name in _names(step)))
+        for a, b in combinations(group, 2):
+            found.update("+".join(sorted(pair)) for pair in product(_names(a), _names(b)))
     for earlier, later in combinations(scene.steps, 2):
-        found.update(f"{a.action}<{b.action}" for a in earlier for b in later)
+        for a, b in product(earlier, later):
+            found.update(f"{first}<{second}" for first, second in product(_names(a), _names(b)))
     return frozenset(found)
+
+
+def _names(step: Step) -> tuple[str, ...]:
+    """The action, and what else whoever does it is doing."""
+    return (step.action, *filter(None, [_KINDS_OF.get(step.action)]))
 
 
 def _named(action: str, step: Step) -> set[str]:

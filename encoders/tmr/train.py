@@ -184,7 +184,7 @@ class Batches:
         limit = recipe.max_frames
         facts = store.facts[index]
         if rng.random() < recipe.crop and facts is not None and not any("<" in store.vocabulary[f] for f in facts):
-            limit = max(12, int(len(x) * rng.uniform(0.5, 1)))
+            limit = min(limit, max(12, int(len(x) * rng.uniform(0.5, 1))))
         if len(x) > limit:
             start = int(rng.integers(len(x) - limit + 1))
             x = x[start : start + limit]
@@ -312,8 +312,7 @@ class Trainer:
         folder.mkdir(parents=True, exist_ok=True)
         if (folder / "last.pt").exists():
             self._restore()
-        else:
-            (folder / "recipe.json").write_text(json.dumps(recipe.to_dict(), indent=1))
+        (folder / "recipe.json").write_text(json.dumps(recipe.to_dict(), indent=1), encoding="utf-8")
 
     def run(
         self,
@@ -386,6 +385,9 @@ class Trainer:
         os.replace(partial, self.folder / "last.pt")
 
     def _restore(self) -> None:
+        begun = Recipe.from_dict(json.loads((self.folder / "recipe.json").read_text(encoding="utf-8")))
+        if begun.network != self.recipe.network:
+            raise ValueError(f"{self.folder}: was begun with another network; train it in a folder of its own")
         saved = torch.load(self.folder / "last.pt", weights_only=True)
         self.step = saved["step"]
         self.model.load_state_dict(saved["model"])

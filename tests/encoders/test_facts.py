@@ -1,0 +1,60 @@
+"""Facts: of which clips a sentence is known to be true."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from encoders.corpus.facts import _KINDS_OF, facts, stated_by
+from encoders.corpus.programs import programs
+from encoders.corpus.scene import Scene, Step
+
+
+def one(action: str, **particulars: object) -> Scene:
+    return Scene(((Step(action, **particulars),),))  # type: ignore[arg-type]
+
+
+def sequence(*actions: str) -> Scene:
+    return Scene(tuple((Step(action),) for action in actions))
+
+
+@pytest.mark.parametrize(
+    ("said", "shown"),
+    [
+        (one("walk"), one("walk", direction="left", speed="slow")),
+        (one("walk", direction="left"), one("walk", direction="left", style="drunk")),
+        (one("run"), one("jog")),
+        (one("run", direction="left"), one("sprint", direction="left", speed="fast")),
+        (one("jump"), sequence("walk", "jump")),
+        (sequence("walk", "sit"), sequence("walk", "jump", "sit")),
+        (sequence("walk", "run"), sequence("limp", "sprint")),
+        (Scene(((Step("walk"), Step("wave")),)), Scene(((Step("wave"), Step("limp")),))),
+    ],
+)
+def test_it_is_true_of_whatever_shows_all_it_says(said: Scene, shown: Scene) -> None:
+    assert facts(said) <= facts(shown)
+
+
+@pytest.mark.parametrize(
+    ("said", "shown"),
+    [
+        (one("walk", direction="left"), one("walk", direction="right")),
+        (one("walk", direction="left"), one("walk")),
+        (one("kick", count=3), one("kick", count=2)),
+        (one("jog"), one("run")),
+        (sequence("walk", "sit"), sequence("sit", "walk")),
+        (Scene(((Step("walk"), Step("wave")),)), sequence("walk", "wave")),
+    ],
+)
+def test_it_is_not_true_of_what_differs_in_one_thing(said: Scene, shown: Scene) -> None:
+    assert not facts(said) <= facts(shown)
+
+
+def test_every_kind_of_action_exists() -> None:
+    assert {*_KINDS_OF, *_KINDS_OF.values()} <= set(programs())
+
+
+def test_a_meaning_holds_where_all_its_facts_are_and_no_facts_mean_nothing_is_known() -> None:
+    holds = stated_by([[0], [0, 1], [2], []], [[0], [0, 1], [0, 1, 2]], 3)
+    assert holds.tolist() == [[True, True, True], [False, True, True], [False, False, True], [False] * 3]
+    assert holds.dtype == np.bool_

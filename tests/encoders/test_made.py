@@ -1,0 +1,95 @@
+"""Made training pairs: reproducible, true, and without a held-out sentence."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from encoders.corpus import made
+from encoders.corpus.facts import facts
+from encoders.corpus.language import HeldOut, parse
+from encoders.corpus.made import Made, made_clips, settle, true_of
+from encoders.corpus.programs import programs
+from encoders.corpus.scene import Clip, Scene, Step
+from encoders.kinds import FEATURE_KINDS, FeatureKind
+
+BODY = FEATURE_KINDS["body"]
+SENTENCES = ("a person walks forward and sits down", "someone waves with the left hand")
+
+
+@pytest.fixture
+def unacted(monkeypatch: pytest.MonkeyPatch) -> FeatureKind:
+    """Scenes are described but not acted out, so that many can be looked at."""
+    still = np.zeros((20, 22, 3), np.float32)
+    monkeypatch.setattr(made, "make_clip", lambda scene, rng: Clip(still, scene=scene))
+    return FeatureKind("none", 1, 10.0, lambda motion: np.zeros((len(motion), 1), np.float32))
+
+
+def test_the_same_seed_makes_the_same_clips() -> None:
+    first, again = (list(made_clips(7, 2, BODY, sentences=SENTENCES)) for _ in range(2))
+    other = next(made_clips(8, 1, BODY, sentences=SENTENCES))
+    for a, b in zip(first, again, strict=True):
+        assert np.array_equal(a.features, b.features)
+        assert (a.captions, a.swapped, a.spans) == (b.captions, b.swapped, b.spans)
+    assert other.captions != first[0].captions
+
+
+def test_clips_are_as_long_as_was_asked_at_most() -> None:
+    for clip in made_clips(1, 3, BODY, longest=5.0):
+        assert 1 <= len(clip.features) <= 50
+        assert clip.features.shape[1] == BODY.size
+
+
+def test_everything_a_caption_states_is_true_of_its_clip(unacted: FeatureKind) -> None:
+    for clip in made_clips(3, 60, unacted, sentences=SENTENCES):
+        assert len(clip.captions) == len(clip.meanings)
+        assert all(meaning and meaning <= facts(clip.scene) for meaning in clip.meanings)
+
+
+def test_swapped_captions_are_false(unacted: FeatureKind) -> None:
+    read = [
+        (facts(meant), facts(clip.scene))
+        for clip in made_clips(4, 100, unacted)
+        for text in clip.swapped
+        if (meant := parse(text)) is not None
+    ]
+    assert len(read) > 10
+    assert sum(meant <= true for meant, true in read) == 0
+
+
+def test_held_out_sentences_are_never_used(unacted: FeatureKind) -> None:
+    def used(clips: list[Made]) -> set[str]:
+        return {text for clip in clips for text in (*clip.captions, *clip.swapped)}
+
+    free = used(list(made_clips(5, 40, unacted, sentences=SENTENCES)))
+    held_out = HeldOut(sorted(free)[::2])
+    kept = used(list(made_clips(5, 40, unacted, sentences=SENTENCES, held_out=held_out)))
+    assert any(map(held_out, free))
+    assert not any(map(held_out, kept))
+
+
+def test_human_sentences_are_acted_out_and_kept_as_captions(unacted: FeatureKind) -> None:
+    clips = made_clips(6, 20, unacted, sentences=SENTENCES, human_share=1.0)
+    assert {clip.captions[0] for clip in clips} == set(SENTENCES)
+
+
+def test_what_a_scene_leaves_open_is_decided_and_what_it_says_stays() -> None:
+    rng = np.random.default_rng(0)
+    sided = next(name for name, program in programs().items() if program.sides)
+    assert settle(Scene(((Step(sided),),)), rng).steps[0][0].side in programs()[sided].sides
+    said = Scene(((Step("wave", side="left"), Step("walk", direction="backward")),))
+    assert settle(said, rng) == said
+    assert settle(Scene(((Step("walk"),),)), rng).steps[0][0].direction == "forward"
+
+
+def test_a_sentence_is_true_of_its_clip_and_of_those_that_show_the_same() -> None:
+    def clip(said: Scene, shown: Scene) -> Made:
+        return Made(np.zeros((4, 1), np.float32), shown, (), ("words",), (facts(said),), ())
+
+    walk, left = Scene(((Step("walk"),),)), Scene(((Step("walk", direction="left"),),))
+    right = Scene(((Step("walk", direction="right"),),))
+    assert true_of([clip(walk, right), clip(left, left), clip(right, right)]).tolist() == [
+        [True, True, True],
+        [False, True, False],
+        [True, False, True],
+    ]

@@ -1,0 +1,49 @@
+"""Calibration: hits a model gets right come out strong, and sentences about nothing weak."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from encoders.corpus.made import Made
+from encoders.corpus.scene import Scene, Step
+from search import strength
+from search.calibrate import calibrate
+from tests.search.answers import SENTENCES, KnownAnswers
+
+
+def clip(kind: int, seed: int) -> Made:
+    """Mostly of its kind, with something of all others."""
+    rows = np.random.default_rng(seed).uniform(0, 0.5, size=(10, len(SENTENCES))).astype(np.float32)
+    rows[:, kind] += 1
+    action = f"kind{kind}"
+    return Made(rows, Scene(((Step(action),),)), ((0.0, 1.0),), (SENTENCES[kind],), (frozenset({action}),), ())
+
+
+@pytest.fixture
+def calibration() -> dict[str, np.ndarray]:
+    clips = [clip(i % 5, i) for i in range(60)]
+    return calibrate(KnownAnswers(), clips[:20], clips[20:], ["what is this", "lorem ipsum"])  # type: ignore[arg-type]
+
+
+def test_it_holds_what_judging_needs(calibration: dict[str, np.ndarray]) -> None:
+    assert calibration["motions"].shape == (20, len(SENTENCES))
+    assert calibration["motions"].dtype == np.float16
+    for asked in ("sentence", "motion"):
+        assert calibration[f"{asked}_coefficients"].shape == (3,)
+        assert np.isfinite(calibration[f"{asked}_coefficients"]).all()
+
+
+def test_right_hits_are_strong_and_nonsense_is_weak(calibration: dict[str, np.ndarray]) -> None:
+    bundle = KnownAnswers(calibration)
+    right = bundle.encode_features([clip(1, 99).features])[0]
+    one, nothing = bundle.encode_texts(["one", "nothing"])
+    assert strength.judge(bundle, one, [float(one @ right)]) == ["strong"]  # type: ignore[arg-type]
+    assert strength.judge(bundle, nothing, [float(nothing @ right)]) == ["weak"]  # type: ignore[arg-type]
+
+
+def test_a_motion_is_judged_by_other_motions_never_by_itself(calibration: dict[str, np.ndarray]) -> None:
+    bundle = KnownAnswers(calibration)
+    motion, alike, other = bundle.encode_features([clip(1, 99).features, clip(1, 98).features, clip(2, 97).features])
+    scores = [float(motion @ alike), float(motion @ other)]
+    assert strength.judge(bundle, motion, scores, asked="motion") == ["strong", "weak"]  # type: ignore[arg-type]

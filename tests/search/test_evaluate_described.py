@@ -1,0 +1,29 @@
+"""The protocol of described archives, on a model whose answers are known."""
+
+from __future__ import annotations
+
+import pytest
+
+from encoders.corpus.real import CaptionedSpan, CaptionedTake
+from search.evaluate.described import evaluate_described
+from tests.search.answers import KnownAnswers, motion
+
+
+def take(kind: int, description: str, *captions: str) -> CaptionedTake:
+    spans = (CaptionedSpan(captions, 0.0, 1.0),) if captions else ()
+    return CaptionedTake(f"{kind}.bvh", str(kind), motion(kind), description, spans)
+
+
+def test_rank_of_the_best_file_with_the_description() -> None:
+    takes = [take(0, "zero"), take(1, "zero"), take(2, "two", "two", "one"), take(3, "unknown"), take(4, "")]
+    report = evaluate_described(takes, KnownAnswers())  # type: ignore[arg-type]
+    assert report.files == 5
+    assert report.ranks == {"zero": [0.0], "two": [0.0, 2.5]}, "four files tie behind the first for 'one'"
+    assert report.found(1) == pytest.approx(100 * (1 + 0.5) / 2), "each description counts once"
+    assert report.found(5) == 100.0
+    assert report.as_dict()["ranks"] == {"zero": [1.0], "two": [1.0, 3.5]}
+
+
+def test_a_sentence_written_about_several_files_is_asked_once() -> None:
+    takes = [take(0, "zero", "zero", "one"), take(0, "zero", "one")]
+    assert len(evaluate_described(takes, KnownAnswers()).ranks["zero"]) == 2  # type: ignore[arg-type]
