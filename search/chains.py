@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from search.dense import Encoder, Scored, Vectors, every, join, score_windows
-from search.moments import REACH, Moment, Region, fitness
+from search.moments import REACH, Moment, Region, fitness, frames_in, stretch
 from search.refine import best_spans, frame_curve, gains
 from search.steps import in_order
 
@@ -51,16 +51,15 @@ def sharpen_chain(
         What motion that does not fit scores for each step.
     """
     start, end = max(chain[0].start - REACH, 0.0), chain[-1].end + REACH
-    features, offset = region(start, end)
-    first = max(round((start - offset) * fps), 0)
-    part = features[first : max(round((end - offset) * fps), first + 1)]
-    offset += first / fps
+    part, offset = stretch(region, fps, start, end)
     similarity = frame_curve(encoder, part, fps, queries)
+    reach = round(REACH * fps)
     rows = []
     for values, step, level in zip(similarity, chain, levels, strict=True):
-        a = min(max(round((step.start - offset) * fps), 0), len(part) - 1)
-        b = min(max(round((step.end - offset) * fps), a + 1), len(part))
-        rows.append(gains(values, level, a, b, reach=round(REACH * fps)))
+        first, last = frames_in(step, offset, fps, len(part))
+        gain = gains(values, level, first, last)
+        gain[: max(first - reach, 0)] = gain[last + reach :] = -np.inf
+        rows.append(gain)
     return [
         Moment(offset + a / fps, offset + b / fps, float(values[a:b].mean()))
         for values, (a, b) in zip(similarity, best_spans(rows), strict=True)

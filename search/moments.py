@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from indexer import windows
 from search.dense import Encoder, Scored, Vectors, join, score_windows
-from search.refine import best_spans, frame_curve, gains
+from search.refine import frame_curve, grow
 from search.spans import iou, suppress
 
 #: Answers overlap by at most this intersection over union.
@@ -20,8 +20,8 @@ _PLACES, _LEAST_PLACES = 3, 8
 #: What doubling a window's length is worth in cosine, when places are proposed and when answers are ranked: a window
 #: inside a long action scores like the whole of it.
 _PLACE_BONUS, _ANSWER_BONUS = 0.03, 0.015
-#: How far from a proposed place its boundaries may lie, in seconds.
-REACH = 4.0
+#: How far around a proposed place is looked at first, and how long a stretch at most, in seconds.
+REACH, _LONGEST = 4.0, 600.0
 
 #: (start, end) in seconds -> features of a part of the take that holds that span, and the second the part begins at.
 Region = Callable[[float, float], tuple[Vectors, float]]
@@ -92,17 +92,8 @@ def sharpen(
         See `usual_level`.
     """
     found: list[Moment] = []
-    for start, end, inside in _stretches(places):
-        features, offset = region(start, end)
-        first, last = max(round((start - offset) * fps), 0), max(round((end - offset) * fps), 1)
-        part = features[first:last] if first < len(features) else features[-1:]
-        offset += first / fps
-        similarity = frame_curve(encoder, part, fps, queries).min(axis=0)
-        for place in inside:
-            a = min(max(round((place.start - offset) * fps), 0), len(part) - 1)
-            b = min(max(round((place.end - offset) * fps), a + 1), len(part))
-            [(a, b)] = best_spans([gains(similarity, level, a, b, reach=round(REACH * fps))])
-            found.append(Moment(offset + a / fps, offset + b / fps, float(similarity[a:b].mean())))
+    for start, end, inside in _stretches(places, REACH):
+        found += _grown(encoder, region, fps, queries, level, start, end, inside)
     starts, ends, scores = (np.array([getattr(m, name) for m in found]) for name in ("start", "end", "score"))
     value = scores + _ANSWER_BONUS * np.log2(np.maximum(ends - starts, 0.1))
     return [found[i] for i in suppress(starts, ends, value, k, overlap=OVERLAP)]
@@ -142,11 +133,50 @@ def overlap(a: Moment, b: Moment) -> float:
     return float(iou([a.start], [a.end], b.start, b.end)[0])
 
 
-def _stretches(places: Sequence[Moment]) -> list[tuple[float, float, list[Moment]]]:
-    """Stretches of time that hold the places and `REACH` on either side, those that overlap made one."""
+def stretch(region: Region, fps: float, start: float, end: float) -> tuple[Vectors, float]:
+    """The features of a take from `start` to `end`, in seconds, as far as it goes, and the second they begin at."""
+    features, offset = region(start, end)
+    first = min(max(round((start - offset) * fps), 0), len(features) - 1)
+    last = min(max(round((end - offset) * fps), first + 1), len(features))
+    return features[first:last], offset + first / fps
+
+
+def frames_in(place: Moment, offset: float, fps: float, frames: int) -> tuple[int, int]:
+    """A span as a range of frames, at least one, of a stretch of so many that begins at second `offset`."""
+    first = min(max(round((place.start - offset) * fps), 0), frames - 1)
+    return first, min(max(round((place.end - offset) * fps), first + 1), frames)
+
+
+def _grown(
+    encoder: Encoder,
+    region: Region,
+    fps: float,
+    queries: Vectors,
+    level: float,
+    start: float,
+    end: float,
+    places: Sequence[Moment],
+) -> list[Moment]:
+    """The moments at places in one stretch of time; the stretch is widened while one of them goes on beyond it."""
+    part, offset = stretch(region, fps, start, end)
+    similarity = frame_curve(encoder, part, fps, queries).min(axis=0)
+    spans = [grow(similarity, level, fps, *frames_in(place, offset, fps, len(part))) for place in places]
+    goes_on_before = start > 0 and min(a for a, _ in spans) == 0
+    goes_on_after = offset + len(part) / fps >= end - 1 / fps and max(b for _, b in spans) == len(part)
+    if (goes_on_before or goes_on_after) and end - start < _LONGEST:
+        wider = (
+            (max(start - (end - start), 0.0) if goes_on_before else start),
+            (end + (end - start) if goes_on_after else end),
+        )
+        return _grown(encoder, region, fps, queries, level, *wider, places)
+    return [Moment(offset + a / fps, offset + b / fps, float(similarity[a:b].mean())) for a, b in spans]
+
+
+def _stretches(places: Sequence[Moment], reach: float) -> list[tuple[float, float, list[Moment]]]:
+    """Stretches of time that hold the places and `reach` on either side, those that overlap made one."""
     joined: list[tuple[float, float, list[Moment]]] = []
     for place in sorted(places, key=lambda p: p.start):
-        start, end = max(place.start - REACH, 0.0), place.end + REACH
+        start, end = max(place.start - reach, 0.0), place.end + reach
         if joined and start <= joined[-1][1]:
             before, until, inside = joined.pop()
             start, end, inside = before, max(until, end), [*inside, place]

@@ -17,6 +17,8 @@ STRIDE = 2
 #: within so much of the peak.
 _UPPER = 0.25
 _LEAST_DROP = 0.08
+#: How much below that a moment may dip and still be one, in seconds times cosine.
+_DIP = 0.1
 
 
 def frame_curve(encoder: Encoder, features: Vectors, fps: float, queries: Vectors) -> Vectors:
@@ -31,10 +33,8 @@ def frame_curve(encoder: Encoder, features: Vectors, fps: float, queries: Vector
     return np.asarray(np.mean(curves, axis=0), np.float32)
 
 
-def gains(similarity: NDArray[np.floating], level: float, first: int, last: int, *, reach: int) -> NDArray[np.float64]:
-    """What each frame adds to a moment first guessed at the frames from `first` to `last`.
-
-    Positive where the moment goes on; frames further than `reach` from the guess never belong to it.
+def gains(similarity: NDArray[np.floating], level: float, first: int, last: int) -> NDArray[np.float64]:
+    """What each frame adds to a moment that peaks within the frames from `first` to `last`: positive where it goes on.
 
     Parameters
     ----------
@@ -44,9 +44,26 @@ def gains(similarity: NDArray[np.floating], level: float, first: int, last: int,
     """
     peak = float(similarity[first:last].max())
     threshold = peak - max(_UPPER * (peak - level), _LEAST_DROP)
-    gain = np.asarray(similarity, np.float64) - threshold
-    gain[: max(first - reach, 0)] = gain[last + reach :] = -np.inf
-    return gain
+    return np.asarray(similarity, np.float64) - threshold
+
+
+def grow(similarity: NDArray[np.floating], level: float, fps: float, first: int, last: int) -> tuple[int, int]:
+    """The moment around the peak within the frames from `first` to `last`, as a range of frames.
+
+    From the peak it grows to either side to where its gains add up to most, stopping where they have fallen too far
+    below that, as alignments are extended in sequence search (X-drop; Altschul et al. 1990).
+    """
+    peak = first + int(np.argmax(similarity[first:last]))
+    gain = gains(similarity, level, first, last)
+    left, right = _extent(gain[:peak][::-1], _DIP * fps), _extent(gain[peak + 1 :], _DIP * fps)
+    return peak - left, peak + 1 + right
+
+
+def _extent(gain: NDArray[np.float64], dip: float) -> int:
+    """How many of the first frames add up to most before the sum falls by more than `dip` below its highest."""
+    total = np.concatenate([[0.0], np.cumsum(gain)])
+    fallen = np.flatnonzero(np.maximum.accumulate(total) - total > dip)
+    return int(np.argmax(total[: fallen[0]] if len(fallen) else total))
 
 
 def best_spans(gain: Sequence[NDArray[np.float64]]) -> list[tuple[int, int]]:

@@ -34,6 +34,11 @@ def test_a_moment_is_found_where_it_is(start: float, end: float) -> None:
     assert _overlap(best, start, end) > 0.6
 
 
+def test_a_moment_may_be_longer_than_any_window() -> None:
+    best = localise(MeanEncoder(), take(120, (20, 75, 2)), FPS, query(2), 1)[0]
+    assert _overlap(best, 20, 75) > 0.9
+
+
 def test_several_moments_of_one_query() -> None:
     truth = [(5.0, 7.0), (20.0, 23.0), (31.0, 34.5)]
     found = localise(MeanEncoder(), take(40, *((a, b, 1) for a, b in truth)), FPS, query(1), 3)

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from search.refine import best_spans, frame_curve, gains
+from search.refine import best_spans, frame_curve, grow
 from tests.search.fakes import FPS, MeanEncoder, query, take
 
 
@@ -32,21 +32,24 @@ def test_the_spans_add_up_to_most_of_all_in_order(count: int, seed: int) -> None
     assert all(before[1] <= after[0] for before, after in itertools.pairwise(found))
 
 
-def test_a_moment_stays_near_its_place() -> None:
-    gain = gains(np.ones(100), 0.0, 40, 50, reach=10)
-    assert best_spans([gain]) == [(30, 60)]
-
-
 def test_a_moment_ends_where_similarity_falls_by_a_quarter_of_its_height() -> None:
     similarity = np.concatenate([np.linspace(0, 1, 50), np.linspace(1, 0, 50)])
-    [(start, end)] = best_spans([gains(similarity, 0.0, 45, 55, reach=100)])
+    start, end = grow(similarity, 0.0, FPS, 45, 55)
     assert similarity[start] >= 0.75 > similarity[start - 1]
     assert similarity[end - 1] >= 0.75 > similarity[end]
 
 
 def test_a_flat_curve_is_one_moment() -> None:
     noise = np.random.default_rng(0).normal(scale=0.01, size=60) + 0.7
-    assert best_spans([gains(noise, 0.69, 20, 30, reach=100)]) == [(0, 60)]
+    assert grow(noise, 0.69, FPS, 20, 30) == (0, 60)
+
+
+def test_a_short_dip_does_not_end_a_moment_but_a_long_one_does() -> None:
+    similarity = np.ones(90)
+    similarity[50:52] = 0.5
+    assert grow(similarity, 0.0, FPS, 30, 40) == (0, 90)
+    similarity[50:60] = 0.5
+    assert grow(similarity, 0.0, FPS, 30, 40) == (0, 50)
 
 
 def test_the_curve_has_a_value_for_every_frame_and_stands_high_where_it_happens() -> None:
