@@ -85,7 +85,7 @@ def main() -> None:
         f"Made by `benchmarks/study.py`: {arguments.steps} steps of {arguments.batch} clips each, {len(made)} made "
         f"clips, validated on {len(validation)} others; one seed, so small differences are none. Text to motion, whole "
         "gallery; `strict` counts only the clip itself, `true` every clip of which the sentence is true.\n\n"
-        "| | strict R@1 | strict median rank | true R@1 | true R@10 | swapped pairs told apart |\n|---|---|---|---|---|---|\n"
+        "| | strict R@1 | strict median rank | true R@1 | true R@10 | swapped told apart |\n|---|---|---|---|---|---|\n"
         + "\n".join(rows)
         + "\n",
         encoding="utf-8",
