@@ -1,0 +1,124 @@
+/**
+ * Results as a grid of moving figures.
+ */
+
+import * as api from "./api.js";
+import { byId, clock, el, strengthMark } from "./dom.js";
+import { link } from "./state.js";
+
+const LONGEST = 10; // seconds that a card plays
+const POSTER = 0.4; // of the span: the pose shown while nothing moves
+
+export class Grid {
+  /** @param {import("./stage.js").Stage | null} stage @param {HTMLElement} list @param {() => boolean} isPlaying */
+  constructor(stage, list, isPlaying) {
+    Object.assign(this, { stage, list, isPlaying });
+    /** @type {{card: HTMLElement, view: import("./stage.js").View | null}[]} */
+    this.cards = [];
+    this.seen = new IntersectionObserver((entries) => {
+      for (const entry of entries) if (entry.isIntersecting) this.#load(/** @type {HTMLElement} */ (entry.target));
+    }, { rootMargin: "300px" }); // prettier-ignore
+    list.addEventListener("keydown", (event) => this.#move(event));
+  }
+
+  /** @param {import("./api.js").Hit[]} hits */
+  show(hits) {
+    this.clear();
+    this.add(hits);
+  }
+
+  /** @param {import("./api.js").Hit[]} hits */
+  add(hits) {
+    for (const hit of hits) {
+      const figure = el("div", { class: "stage loading" });
+      const card = this.#card(hit, figure);
+      const view = this.stage?.add(figure) ?? null;
+      this.cards.push({ card, view });
+      card.addEventListener("pointerenter", () => this.#play(view, true));
+      card.addEventListener("focus", () => this.#play(view, true));
+      card.addEventListener("pointerleave", () => this.#play(view, this.isPlaying()));
+      card.addEventListener("blur", () => this.#play(view, this.isPlaying()));
+      Object.assign(card, { motionseek: { hit, view, figure } });
+      this.list.append(el("li", {}, card));
+      this.seen.observe(card);
+    }
+  }
+
+  clear() {
+    this.seen.disconnect();
+    for (const { view } of this.cards) view?.remove();
+    this.cards = [];
+    this.list.replaceChildren();
+  }
+
+  /** All figures, or none. */
+  refresh() {
+    for (const { view } of this.cards) this.#play(view, this.isPlaying());
+  }
+
+  /** The hit of the card that has the focus. @returns {import("./api.js").Hit | null} */
+  get chosen() {
+    const card = document.activeElement?.closest?.(".card");
+    return card && this.list.contains(card) ? /** @type {any} */ (card).motionseek.hit : null;
+  }
+
+  focus() {
+    this.cards[0]?.card.focus();
+  }
+
+  #play(view, playing) {
+    if (view) view.playing = playing;
+  }
+
+  /** @param {import("./api.js").Hit} hit @param {HTMLElement} figure */
+  #card(hit, figure) {
+    const title = hit.caption || hit.path.split("/").pop()?.replace(/\.[^.]*$/, "") || "";
+    const whole = hit.start <= 0.05 && hit.end >= hit.duration - 0.05;
+    const span = whole ? "whole clip" : `${hit.start.toFixed(1)}–${hit.end.toFixed(1)} s`;
+    const open = link({ clip: String(hit.clip), a: whole ? "" : hit.start.toFixed(2), b: whole ? "" : hit.end.toFixed(2), ask: [] });
+    return el(
+      "a",
+      { class: `card ${hit.strength}`, href: open, draggable: "false" },
+      figure,
+      el(
+        "div",
+        { class: "legend" },
+        hit.score === undefined
+          ? null
+          : el("p", { class: "rating" }, strengthMark(hit.strength), el("span", { class: "score", title: "cosine similarity" }, hit.score.toFixed(2))),
+        el("p", { class: "title" }, title),
+        el("p", { class: "file", title: hit.path }, hit.path),
+        el("p", { class: "facts" }, `${clock(hit.duration)} · ${span}`),
+      ),
+    );
+  }
+
+  /** @param {HTMLElement} card */
+  async #load(card) {
+    this.seen.unobserve(card);
+    const { hit, view, figure } = /** @type {any} */ (card).motionseek;
+    try {
+      const motion = await api.joints(hit.clip, hit.start, Math.min(hit.end, hit.start + LONGEST));
+      figure.classList.remove("loading");
+      if (!view || !this.stage?.views.has(view)) return;
+      view.show(motion);
+      view.seek(motion.start + POSTER * (motion.end - motion.start));
+      view.playing = this.isPlaying();
+    } catch (error) {
+      figure.classList.replace("loading", "failed");
+      figure.replaceChildren(el("p", {}, /** @type {Error} */ (error).message));
+    }
+  }
+
+  /** Arrow keys go from card to card as they lie. @param {KeyboardEvent} event */
+  #move(event) {
+    const at = this.cards.findIndex(({ card }) => card === document.activeElement);
+    const columns = getComputedStyle(this.list).gridTemplateColumns.split(" ").length;
+    const step = { ArrowLeft: -1, ArrowRight: 1, ArrowUp: -columns, ArrowDown: columns, Home: -at, End: this.cards.length - 1 - at }[event.key];
+    if (at < 0 || step === undefined || event.metaKey || event.ctrlKey || event.altKey) return;
+    event.preventDefault();
+    const next = this.cards[at + step];
+    if (next) next.card.focus();
+    else if (at + step < 0) byId("q").focus();
+  }
+}

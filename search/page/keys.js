@@ -1,0 +1,28 @@
+/**
+ * Every key of the page, and the list of them that help shows.
+ */
+
+import { byId, el } from "./dom.js";
+
+/**
+ * @typedef {{key: string, says: string, shown?: string, viewer?: boolean, act: () => void}} Key
+ *   `viewer`: only while a clip is open (true) or only while none is (false); else always
+ */
+
+/** @param {Key[]} keys @param {() => boolean} viewing whether a clip is open */
+export function listen(keys, viewing) {
+  addEventListener("keydown", (event) => {
+    const target = /** @type {HTMLElement} */ (event.target);
+    const typing = target.matches("input:not([type=checkbox]), select, textarea");
+    if (event.key === "Escape" && typing) target.blur();
+    if (event.ctrlKey || event.metaKey || event.altKey || typing || byId("help").open) return;
+    if (event.key === " " && target.matches("button, input")) return;
+    const found = keys.find(({ key, viewer }) => key === event.key && (viewer === undefined || viewer === viewing()));
+    if (!found) return;
+    event.preventDefault();
+    found.act();
+  });
+  const shown = [...new Map(keys.map(({ key, shown: name, says }) => [says, name ?? key])).entries()];
+  const rest = /** @type {[string, string][]} */ ([["go from figure to figure, point to point", "← → ↑ ↓"], ["open", "Enter"]]);
+  byId("keys").replaceChildren(...[...shown, ...rest].flatMap(([says, key]) => [el("dt", {}, el("kbd", {}, key)), el("dd", {}, says)]));
+}

@@ -1,0 +1,249 @@
+/**
+ * The library as points in a plane: colours say what clips look like, the query lights up its answers.
+ */
+
+import * as api from "./api.js";
+import { byId, clamp, el } from "./dom.js";
+import { filters, go, link } from "./state.js";
+
+const COLOURS = 8; // labels with a colour of their own; the others share one
+const MARGIN = 26;
+const NEAR = 14; // pixels around a point that count as on it
+const MOST_PICKED = 60;
+const ANSWERS = 60;
+
+export class Plane {
+  /** @param {import("./stage.js").Stage | null} stage */
+  constructor(stage) {
+    this.canvas = byId("points");
+    this.view = stage?.add(/** @type {HTMLElement} */ (byId("peek").firstElementChild)) ?? null;
+    /** @type {import("./api.js").MapData | null} */
+    this.data = null;
+    [this.hovered, this.label] = [-1, -1];
+    /** @type {[number, number][]} the lasso, in pixels */
+    this.lasso = [];
+    /** @type {Set<number>} */
+    this.picked = new Set();
+    /** @type {Map<number, import("./api.js").Hit>} place in the data -> what the query says of it */
+    this.answers = new Map();
+    this.canvas.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => this.#over(event));
+    this.canvas.addEventListener("pointerleave", () => this.#hover(-1));
+    this.canvas.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => this.#down(event));
+    this.canvas.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => this.#key(event));
+    this.canvas.addEventListener("blur", () => this.#hover(-1));
+    new ResizeObserver(() => this.draw()).observe(this.canvas);
+  }
+
+  /** @param {import("./state.js").State} state */
+  async show(state) {
+    if (!this.data) {
+      byId("map-note").textContent = "Laying out the library…";
+      try {
+        this.data = await api.map();
+      } catch (error) {
+        byId("map-note").textContent = /** @type {Error} */ (error).message;
+        return;
+      }
+    }
+    byId("map-note").textContent = this.data.clips.length ? "" : "The library is empty: motionseek index FOLDER fills it.";
+    this.#showLabels();
+    await this.#light(state);
+  }
+
+  /** The library grew, or the theme changed. */
+  refresh({ again = false } = {}) {
+    if (again) this.data = null;
+    this.draw();
+  }
+
+  draw() {
+    const { canvas, data } = this;
+    if (!canvas.clientWidth || !data) return;
+    const ratio = Math.min(devicePixelRatio, 2);
+    [canvas.width, canvas.height] = [canvas.clientWidth * ratio, canvas.clientHeight * ratio];
+    const pen = canvas.getContext("2d");
+    const style = getComputedStyle(document.documentElement);
+    const colour = (/** @type {number} */ label) => style.getPropertyValue(label < COLOURS ? `--kind-${label}` : "--kind-other");
+    const accent = style.getPropertyValue("--accent");
+    const size = clamp(90 / Math.sqrt(data.clips.length), 2, 6);
+    const lit = this.answers.size > 0;
+    pen.scale(ratio, ratio);
+    data.clips.forEach((_, i) => {
+      const [x, y] = this.#place(i);
+      const answer = this.answers.get(i);
+      const dim = (lit && !answer) || (this.label >= 0 && data.label[i] !== this.label) || (this.picked.size > 0 && !this.picked.has(i));
+      pen.globalAlpha = dim ? 0.22 : 1;
+      pen.fillStyle = colour(data.label[i]);
+      pen.beginPath();
+      pen.arc(x, y, size, 0, 7);
+      pen.fill();
+      if (answer || i === this.hovered) ring(pen, x, y, size + (i === this.hovered ? 6 : 3.5), accent, answer?.strength === "strong" || i === this.hovered ? 2.5 : 1.25);
+    });
+    pen.globalAlpha = 1;
+    if (this.lasso.length > 1) {
+      pen.strokeStyle = accent;
+      pen.lineWidth = 1.5;
+      pen.setLineDash([5, 4]);
+      pen.beginPath();
+      this.lasso.forEach(([x, y]) => pen.lineTo(x, y));
+      pen.closePath();
+      pen.stroke();
+    }
+  }
+
+  /** @param {number} i @returns {[number, number]} pixels */
+  #place(i) {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const data = /** @type {import("./api.js").MapData} */ (this.data);
+    return [MARGIN + data.x[i] * (width - 2 * MARGIN), MARGIN + (1 - data.y[i]) * (height - 2 * MARGIN)];
+  }
+
+  /** Ring the answers of the sentence. @param {import("./state.js").State} state */
+  async #light(state) {
+    this.answers = new Map();
+    const data = /** @type {import("./api.js").MapData} */ (this.data);
+    if (state.q) {
+      const { hits } = await api.search(state.q, filters(state), ANSWERS, 0).catch(() => ({ hits: [] }));
+      const place = new Map(data.clips.map((clip, i) => [clip, i]));
+      const sure = hits.filter((hit) => hit.strength === "strong" || hit.strength === "plausible");
+      for (const hit of sure.length ? sure : hits.slice(0, 5)) {
+        const i = place.get(/** @type {number} */ (hit.clip));
+        if (i !== undefined) this.answers.set(i, hit);
+      }
+      byId("map-said").textContent = sure.length ? `${this.answers.size} clips answer “${state.q}”.` : `Nothing surely answers “${state.q}”: the nearest are ringed.`;
+    } else byId("map-said").textContent = "Hover to see a clip move. Draw around points to pick them.";
+    this.draw();
+  }
+
+  #showLabels() {
+    const data = /** @type {import("./api.js").MapData} */ (this.data);
+    const counts = new Array(data.labels.length).fill(0);
+    for (const label of data.label) counts[label]++;
+    byId("labels").replaceChildren(...data.labels.slice(0, 24).map((text, i) => {
+      const button = el("button", { type: "button", "aria-pressed": String(i === this.label) },
+        el("span", { class: `swatch k${i < COLOURS ? i : "other"}`, "aria-hidden": "true" }), el("span", {}, text), el("small", {}, counts[i]));
+      button.addEventListener("click", () => {
+        this.label = this.label === i ? -1 : i;
+        [...byId("labels").querySelectorAll("button")].forEach((other, j) => other.setAttribute("aria-pressed", String(j === this.label)));
+        this.draw();
+      });
+      return el("li", {}, button);
+    })); // prettier-ignore
+  }
+
+  /** @param {PointerEvent} event @returns {[number, number]} */
+  #at(event) {
+    const box = this.canvas.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  }
+
+  /** @param {PointerEvent} event */
+  #over(event) {
+    if (!this.data || this.lasso.length) return;
+    const [x, y] = this.#at(event);
+    let [best, least] = [-1, NEAR];
+    this.data.clips.forEach((_, i) => {
+      const [px, py] = this.#place(i);
+      const away = Math.hypot(px - x, py - y);
+      if (away < least) [best, least] = [i, away];
+    });
+    this.#hover(best);
+  }
+
+  /** @param {PointerEvent} down */
+  #down(down) {
+    if (!this.data || down.button !== 0) return;
+    const [x, y] = this.#at(down);
+    const stop = new AbortController();
+    addEventListener("pointermove", (event) => {
+      const at = this.#at(event);
+      if (!this.lasso.length && Math.hypot(at[0] - x, at[1] - y) < 6) return;
+      this.lasso.push(at);
+      this.#hover(-1);
+      this.draw();
+    }, { signal: stop.signal }); // prettier-ignore
+    const end = () => {
+      stop.abort();
+      if (this.lasso.length > 2) this.#pick();
+      else if (this.hovered >= 0) go({ clip: String(this.data?.clips[this.hovered]) });
+      else this.#pick();
+      this.lasso = [];
+      this.draw();
+    };
+    for (const name of ["pointerup", "pointercancel"]) addEventListener(name, end, { signal: stop.signal });
+  }
+
+  /** Take what lies inside the lasso; an empty one lets go of all. */
+  #pick() {
+    const data = /** @type {import("./api.js").MapData} */ (this.data);
+    this.picked = new Set(data.clips.map((_, i) => i).filter((i) => this.lasso.length > 2 && inside(this.#place(i), this.lasso)));
+    const ids = [...this.picked].map((i) => data.clips[i]);
+    const shown = ids.slice(0, MOST_PICKED);
+    byId("picked").hidden = !ids.length;
+    byId("picked").textContent = `Show ${ids.length > shown.length ? `${shown.length} of ` : ""}${ids.length} picked`;
+    byId("picked").href = link({ view: "", ids: shown.join(","), q: "", like: "" });
+    byId("map-said").textContent = ids.length ? `${ids.length} clips picked.` : "Nothing picked.";
+  }
+
+  /** Arrow keys go to the nearest point that way. @param {KeyboardEvent} event */
+  #key(event) {
+    const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    if (!this.data?.clips.length || event.ctrlKey || event.metaKey) return;
+    if (event.key === "Enter" && this.hovered >= 0) go({ clip: String(this.data.clips[this.hovered]) });
+    if (!way) return;
+    event.preventDefault();
+    if (this.hovered < 0) return this.#hover([...this.answers.keys()][0] ?? 0);
+    const [x, y] = this.#place(this.hovered);
+    let [best, least] = [this.hovered, Infinity];
+    this.data.clips.forEach((_, i) => {
+      const [px, py] = this.#place(i);
+      const along = (px - x) * way[0] + (py - y) * way[1];
+      const aside = Math.abs((px - x) * way[1]) + Math.abs((py - y) * way[0]);
+      if (along > 0.5 && along + 2 * aside < least) [best, least] = [i, along + 2 * aside];
+    });
+    this.#hover(best, true);
+  }
+
+  /** @param {number} i @param {boolean} [aloud] */
+  async #hover(i, aloud = false) {
+    if (i === this.hovered) return;
+    this.hovered = i;
+    this.canvas.classList.toggle("pointing", i >= 0);
+    this.draw();
+    const peek = byId("peek");
+    peek.hidden = i < 0;
+    if (this.view) this.view.motion = null;
+    if (i < 0 || !this.data) return;
+    const [x, y] = this.#place(i);
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    peek.style.left = `${clamp(x + 18 + 180 > width ? x - 198 : x + 18, 0, Math.max(width - 180, 0))}px`;
+    peek.style.top = `${clamp(y - 100, 0, Math.max(height - 240, 0))}px`;
+    const text = this.data.labels[this.data.label[i]] ?? "";
+    /** @type {HTMLElement} */ (peek.lastElementChild).textContent = text;
+    if (aloud) byId("map-said").textContent = text;
+    const answer = this.answers.get(i);
+    const motion = await api.joints(this.data.clips[i], answer?.start ?? 0, answer ? answer.end : 8).catch(() => null);
+    if (!motion || this.hovered !== i || !this.view) return;
+    this.view.show(motion);
+    this.view.playing = true;
+  }
+}
+
+function ring(pen, x, y, radius, colour, width) {
+  pen.globalAlpha = 1;
+  pen.strokeStyle = colour;
+  pen.lineWidth = width;
+  pen.beginPath();
+  pen.arc(x, y, radius, 0, 7);
+  pen.stroke();
+}
+
+/** Whether a point lies inside a polygon, by how often a ray crosses its edges. */
+function inside([x, y], corners) {
+  let odd = false;
+  corners.forEach(([ax, ay], i) => {
+    const [bx, by] = corners[(i + 1) % corners.length];
+    if (ay > y !== by > y && x < ((bx - ax) * (y - ay)) / (by - ay) + ax) odd = !odd;
+  });
+  return odd;
+}

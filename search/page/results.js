@@ -1,0 +1,131 @@
+/**
+ * Asks what the state says and shows the answers; an answer that comes after a newer question is dropped.
+ */
+
+import * as api from "./api.js";
+import { byId, clock, el } from "./dom.js";
+import { filters, link } from "./state.js";
+
+const PAGE = 24;
+const SUGGESTIONS = ["a person walks forward", "someone waves with the right hand", "running and then jumping", "a person kicks a ball", "sits down on a chair", "climbs up a ladder", "dances happily"];
+
+export class Results {
+  /** @param {import("./grid.js").Grid} grid */
+  constructor(grid) {
+    this.grid = grid;
+    this.asked = "";
+    this.running = new AbortController();
+    this.offset = 0;
+    byId("more").addEventListener("click", () => this.#more());
+    byId("chips").replaceChildren(...SUGGESTIONS.map((q) => el("a", { class: "chip", href: link({ q }), "data-q": q }, q)));
+  }
+
+  /** @param {import("./state.js").State} state */
+  async show(state) {
+    const key = JSON.stringify([state.q, state.moments, state.like, state.from, state.to, state.ids, filters(state)]);
+    if (key === this.asked) return;
+    this.asked = key;
+    this.state = state;
+    this.running.abort();
+    this.running = new AbortController();
+    this.offset = 0;
+    this.#loading(true);
+    byId("chips").hidden = Boolean(state.q || state.like || state.ids);
+    for (const chip of byId("chips").children) chip.href = link({ q: chip.dataset.q, view: "", clip: "" });
+    try {
+      const { signal } = this.running;
+      const { hits, said, total } = await answer(state, 0, signal);
+      if (signal.aborted) return;
+      this.grid.show(hits);
+      this.#say(state, hits, said);
+      this.#offerMore(hits.length, total);
+    } catch (error) {
+      if (error instanceof DOMException && error.name === "AbortError") return;
+      this.asked = "";
+      this.grid.clear();
+      byId("status").textContent = "";
+      byId("more").hidden = true;
+      this.#notice("That did not work", /** @type {Error} */ (error).message, el("button", { type: "button", onclick: () => this.show(state) }, "Try again"));
+    }
+    this.#loading(false);
+  }
+
+  async #more() {
+    const { signal } = this.running;
+    const { hits, total } = await answer(this.state, this.offset, signal).catch(() => ({ hits: [], total: 0 }));
+    if (signal.aborted) return;
+    this.grid.add(hits);
+    this.grid.cards[this.offset]?.card.focus();
+    this.#offerMore(hits.length, total);
+  }
+
+  #offerMore(got, total) {
+    this.offset += got;
+    byId("more").hidden = got < PAGE || this.offset >= total;
+  }
+
+  /** @param {boolean} whether */
+  #loading(whether) {
+    byId("results").classList.toggle("busy", whether);
+    byId("results").setAttribute("aria-busy", String(whether));
+  }
+
+  /** @param {import("./state.js").State} state @param {any[]} hits @param {string} said */
+  #say(state, hits, said) {
+    byId("notice").hidden = true;
+    byId("status").textContent = said;
+    const filtered = Object.values(filters(state)).some(Boolean);
+    if (!hits.length && !state.q && !state.like && !filtered)
+      this.#notice("This library is empty", "Point motionseek at a folder of motion capture, then come back:", el("code", {}, "motionseek index my_mocap/"));
+    else if (!hits.length) this.#notice("Nothing found", filtered ? "No clip meets the filters. Loosen them, or clear them all." : "There is nothing to show for that.");
+    else if (state.q && hits.every((hit) => hit.strength === "weak"))
+      this.#notice("Nothing here clearly matches", `These are the nearest to “${state.q}”, and all of them are weak. Try plainer words: what the body does, with which hand or foot, which way.`);
+  }
+
+  #notice(title, text, ...rest) {
+    byId("notice").hidden = false;
+    byId("notice").replaceChildren(el("h2", {}, title), el("p", {}, text), ...rest);
+  }
+}
+
+/**
+ * @param {import("./state.js").State} state @param {number} offset @param {AbortSignal} signal
+ * @returns {Promise<{hits: import("./api.js").Hit[], said: string, total: number}>} total: Infinity where not known
+ */
+async function answer(state, offset, signal) {
+  const given = filters(state);
+  if (state.ids) {
+    const ids = state.ids.split(",").slice(offset, offset + PAGE);
+    const found = await Promise.all(ids.map((id) => api.motion(id).catch(() => null)));
+    const hits = found.filter((info) => info !== null).map(whole);
+    return { hits, said: `${state.ids.split(",").length} clips picked on the map`, total: state.ids.split(",").length };
+  }
+  if (state.like) {
+    const { hits, query } = await api.similar(state.like, state.from, state.to, given, PAGE, signal);
+    const span = state.from ? ` from ${state.from} to ${state.to} s` : "";
+    return { hits, said: `Moves like ${query}${span}`, total: 0 };
+  }
+  if (state.q && state.moments) {
+    const { hits } = await api.moments(state.q, given, PAGE, signal);
+    return { hits, said: counted(hits, "moment", state.q), total: 0 };
+  }
+  if (state.q) {
+    const { hits } = await api.search(state.q, given, PAGE, offset, signal);
+    return { hits, said: counted(hits, "clip", state.q), total: Infinity };
+  }
+  const { motions, total } = await api.motions(given, PAGE, offset, signal);
+  const seconds = motions.reduce((sum, { duration }) => sum + duration, 0);
+  const said = total ? `${total} clips${total <= PAGE ? `, ${clock(seconds)}` : ""}. Ask for one in your own words.` : "";
+  return { hits: motions.map(whole), said, total };
+}
+
+/** @param {import("./api.js").Hit[]} hits @param {string} thing @param {string} q */
+function counted(hits, thing, q) {
+  const sure = hits.filter(({ strength }) => strength === "strong" || strength === "plausible").length;
+  const things = (/** @type {number} */ n) => `${n} ${thing}${n === 1 ? "" : "s"}`;
+  if (sure) return `${things(sure)}${sure === hits.length ? " or more" : ""} for “${q}”`;
+  return `The nearest ${things(hits.length)} to “${q}”`;
+}
+
+/** A clip as a hit that is no answer to anything. @param {import("./api.js").MotionInfo} info */
+const whole = (info) => /** @type {any} */ ({ clip: info.clip, path: info.path, start: 0, end: info.duration, duration: info.duration, strength: "", caption: info.captions?.[0]?.text ?? "" });

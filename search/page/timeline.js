@@ -1,0 +1,142 @@
+/**
+ * The time line under a take: one coloured track a sentence, found moments, in and out points, the play head.
+ */
+
+import { clamp, clock, el, svg } from "./dom.js";
+
+const HEIGHT = 40;
+const LEAST_SPREAD = 0.2; // of similarity: less is not stretched over the whole height
+const SHORTEST_CUT = 0.1;
+
+/**
+ * @typedef {{text: string, colour: number, removable: boolean, times: number[], similarity: number[],
+ *   moments: import("./api.js").Hit[], note: string}} Track
+ */
+
+export class Timeline {
+  /**
+   * @param {HTMLElement} root
+   * @param {{onSeek: (time: number) => void, onCut: (from: number, to: number, done: boolean) => void,
+   *   onRemove: (text: string) => void, onMoment: (hit: import("./api.js").Hit) => void}} calls
+   */
+  constructor(root, calls) {
+    Object.assign(this, { root, calls, duration: 1, from: 0, to: 1 });
+    this.tracks = el("div", { class: "tracks" });
+    this.ruler = el("div", { class: "ruler", "aria-hidden": "true" });
+    this.before = el("div", { class: "shade" });
+    this.after = el("div", { class: "shade" });
+    this.head = this.#slider("head", "Position", (time) => calls.onSeek(time));
+    this.in = this.#slider("handle in", "In point", (time, done) => this.#cut(time, this.to, done));
+    this.out = this.#slider("handle out", "Out point", (time, done) => this.#cut(this.from, time, done));
+    root.replaceChildren(this.tracks, this.ruler, el("div", { class: "over" }, this.before, this.after, this.in, this.out, this.head));
+    root.addEventListener("pointerdown", (event) => {
+      if (/** @type {Element} */ (event.target).closest("button, [role=slider]") || event.button !== 0) return;
+      this.#drag(event, (time) => calls.onSeek(time));
+    });
+  }
+
+  /** @param {number} duration @param {number} from @param {number} to */
+  open(duration, from, to) {
+    this.duration = Math.max(duration, 0.05);
+    const step = [0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600].find((seconds) => duration / seconds <= 12) ?? 1800;
+    const marks = Array.from({ length: Math.floor(duration / step) + 1 }, (_, i) => i * step);
+    this.ruler.replaceChildren(...marks.map((at) => this.#at(el("span", {}, step < 1 ? at.toFixed(1) : at < 60 ? `${at}` : clock(at)), at)));
+    this.mark(from, to);
+  }
+
+  /** Show the in and out points. @param {number} from @param {number} to */
+  mark(from, to) {
+    [this.from, this.to] = [from, to];
+    this.before.style.width = `${(100 * from) / this.duration}%`;
+    this.after.style.left = `${(100 * to) / this.duration}%`;
+    this.#value(this.in, from);
+    this.#value(this.out, to);
+  }
+
+  /** @param {number} time */
+  seek(time) {
+    this.#value(this.head, time);
+  }
+
+  /** @param {Track[]} tracks drawn on one scale, so that they can be compared */
+  draw(tracks) {
+    const all = tracks.flatMap((track) => track.similarity);
+    const top = Math.max(...all, LEAST_SPREAD);
+    const bottom = Math.min(Math.min(...all), top - LEAST_SPREAD);
+    this.tracks.replaceChildren(...tracks.map((track) => this.#track(track, bottom, top)));
+  }
+
+  /** @param {Track} track @param {number} bottom @param {number} top */
+  #track(track, bottom, top) {
+    const points = track.times.map((time, i) => {
+      const y = HEIGHT - 1 - ((track.similarity[i] - bottom) / (top - bottom)) * (HEIGHT - 3);
+      return `${((1000 * time) / this.duration).toFixed(1)},${y.toFixed(1)}`;
+    });
+    const ends = [track.times[0], track.times.at(-1) ?? 0].map((time) => (1000 * time) / this.duration);
+    const line = points.length ? `M${points.join("L")}` : "";
+    const curve = svg("svg", { viewBox: `0 0 1000 ${HEIGHT}`, preserveAspectRatio: "none", "aria-hidden": "true" },
+      svg("path", { class: "area", d: line && `${line}L${ends[1]},${HEIGHT}L${ends[0]},${HEIGHT}Z` }),
+      svg("path", { class: "line", d: line })); // prettier-ignore
+    const moments = track.moments.map((hit) => this.#moment(track, hit));
+    const remove = track.removable ? el("button", { type: "button", class: "remove", "aria-label": `Remove the track “${track.text}”`, onclick: () => this.calls.onRemove(track.text) }, "×") : null;
+    return el("div", { class: `track c${track.colour}` },
+      el("p", { class: "name" }, el("span", { class: "swatch", "aria-hidden": "true" }), track.text, el("small", {}, track.note), remove),
+      el("div", { class: "plot" }, curve, ...moments)); // prettier-ignore
+  }
+
+  /** @param {Track} track @param {import("./api.js").Hit} hit */
+  #moment(track, hit) {
+    const said = `${track.text}: ${hit.start.toFixed(1)} to ${hit.end.toFixed(1)} s${hit.strength && `, ${hit.strength}`}`;
+    const button = el("button", { type: "button", class: `moment ${hit.strength || "unrated"}`, "aria-label": said, title: said, onclick: () => this.calls.onMoment(hit) });
+    button.style.width = `${(100 * (hit.end - hit.start)) / this.duration}%`;
+    return this.#at(button, hit.start);
+  }
+
+  /** @param {number} from @param {number} to @param {boolean} done */
+  #cut(from, to, done) {
+    const moved = from !== this.from;
+    if (to - from < SHORTEST_CUT) [from, to] = moved ? [Math.max(to - SHORTEST_CUT, 0), to] : [from, Math.min(from + SHORTEST_CUT, this.duration)];
+    this.mark(from, to);
+    this.calls.onCut(from, to, done);
+  }
+
+  /** @param {string} kind @param {string} name @param {(time: number, done: boolean) => void} set */
+  #slider(kind, name, set) {
+    const slider = el("div", { class: kind, role: "slider", tabindex: 0, "aria-label": name, "aria-valuemin": 0 });
+    slider.addEventListener("pointerdown", (event) => event.button === 0 && this.#drag(event, set));
+    slider.addEventListener("keydown", (event) => {
+      const step = event.shiftKey ? 1 : 0.05;
+      const now = Number(slider.getAttribute("aria-valuenow"));
+      const next = { ArrowLeft: now - step, ArrowDown: now - step, ArrowRight: now + step, ArrowUp: now + step, PageUp: now + 5, PageDown: now - 5, Home: 0, End: this.duration }[event.key];
+      if (next === undefined) return;
+      event.preventDefault();
+      event.stopPropagation();
+      set(clamp(next, 0, this.duration), true);
+    });
+    return slider;
+  }
+
+  /** @param {PointerEvent} down @param {(time: number, done: boolean) => void} set */
+  #drag(down, set) {
+    down.stopPropagation();
+    const box = this.ruler.getBoundingClientRect();
+    const time = (/** @type {PointerEvent} */ event) => clamp((event.clientX - box.left) / box.width, 0, 1) * this.duration;
+    const stop = new AbortController();
+    addEventListener("pointermove", (event) => set(time(event), false), { signal: stop.signal });
+    for (const end of ["pointerup", "pointercancel"]) addEventListener(end, (event) => { stop.abort(); set(time(/** @type {PointerEvent} */ (event)), true); }, { signal: stop.signal }); // prettier-ignore
+    set(time(down), false);
+  }
+
+  /** @param {HTMLElement} slider @param {number} time */
+  #value(slider, time) {
+    this.#at(slider, time);
+    slider.setAttribute("aria-valuemax", this.duration.toFixed(2));
+    slider.setAttribute("aria-valuenow", time.toFixed(2));
+    slider.setAttribute("aria-valuetext", `${time.toFixed(2)} seconds`);
+  }
+
+  #at(node, time) {
+    node.style.left = `${(100 * time) / this.duration}%`;
+    return node;
+  }
+}

@@ -1,0 +1,218 @@
+/**
+ * One clip, large: playing, the time line, what it looks like, the cut.
+ */
+
+import * as api from "./api.js";
+import { byId, clamp, clock, el } from "./dom.js";
+import { CLOSED, go, link, note, read } from "./state.js";
+import { Timeline } from "./timeline.js";
+
+const LONG = 900; // seconds: longer takes come at half the frames
+const COLOURS = 6;
+
+export class Viewer {
+  /** @param {import("./stage.js").Stage | null} stage @param {() => boolean} isPlaying whether a clip plays when opened */
+  constructor(stage, isPlaying) {
+    Object.assign(this, { isPlaying, clip: "" });
+    this.view = stage?.add(byId("big")) ?? null;
+    if (this.view) this.view.onTime = () => this.#showTime();
+    this.timeline = new Timeline(byId("timeline"), {
+      onSeek: (time) => this.seek(time),
+      onCut: (from, to, done) => this.cut(from, to, done),
+      onRemove: (text) => this.#removeTrack(text),
+      onMoment: (hit) => this.#goTo(hit),
+    });
+    /** @type {Map<string, ReturnType<typeof api.momentsIn>>} sentence -> what was found in the open clip */
+    this.found = new Map();
+    byId("play").addEventListener("click", () => this.toggle());
+    byId("speed").addEventListener("change", () => this.view && (this.view.speed = Number(byId("speed").value)));
+    byId("loop").addEventListener("change", () => this.view && (this.view.loop = byId("loop").checked));
+    byId("trail").addEventListener("change", () => this.#showTrail());
+    byId("whole").addEventListener("click", () => this.cut(0, this.info?.duration ?? 0, true));
+    byId("export-format").addEventListener("change", () => this.#showCut());
+    byId("ask-track").addEventListener("submit", (/** @type {Event} */ event) => {
+      event.preventDefault();
+      const text = byId("track").value.trim();
+      byId("track").value = "";
+      if (text) go({ ask: [...new Set([...read().ask, text])].slice(-8) });
+    });
+  }
+
+  /** @param {import("./state.js").State} state of an open clip */
+  async show(state) {
+    if (state.clip !== this.clip) await this.#open(state);
+    if (this.info && state.clip === this.clip) await this.#showTracks(state);
+  }
+
+  close() {
+    this.clip = "";
+    this.info = null;
+    if (this.view) this.view.motion = null;
+  }
+
+  /** Play or pause. */
+  toggle() {
+    if (!this.view?.motion) return;
+    if (!this.view.playing && this.view.time >= this.view.to) this.view.seek(this.view.from);
+    this.view.playing = !this.view.playing;
+    this.#showTime();
+  }
+
+  /** @param {number} time */
+  seek(time) {
+    if (!this.view?.motion) return;
+    const { motion } = this.view;
+    // Outside of the cut one looks at a pose: playing goes on within the cut.
+    this.view.time = clamp(time, motion.start, motion.end);
+    if (time < this.view.from || time > this.view.to) this.view.playing = false;
+    this.view.stage.dirty = true;
+    this.#showTime();
+  }
+
+  /** @param {number} seconds */
+  step(seconds) {
+    if (this.view) this.view.playing = false;
+    this.seek((this.view?.time ?? 0) + seconds);
+  }
+
+  /** Put the in point (or the out point) where the play head is. @param {"in" | "out"} end */
+  markHere(end) {
+    if (!this.info || !this.view) return;
+    const { time } = this.view;
+    if (end === "in") this.cut(time, Math.max(this.timeline.to, Math.min(time + 0.1, this.info.duration)), true);
+    else this.cut(Math.min(this.timeline.from, Math.max(time - 0.1, 0)), time, true);
+  }
+
+  /** Set the in and out points. @param {number} from @param {number} to @param {boolean} done whether the address shall say so */
+  cut(from, to, done) {
+    if (!this.info) return;
+    this.timeline.mark(from, to);
+    if (this.view) [this.view.from, this.view.to] = [from, Math.min(to, this.view.motion?.end ?? to)];
+    const whole = from <= 0 && to >= this.info.duration;
+    if (done) note({ a: whole ? "" : from.toFixed(2), b: whole ? "" : to.toFixed(2) });
+    if (done && this.view && (this.view.time < from || this.view.time > to)) this.view.seek(from);
+    this.#showCut();
+  }
+
+  /** @param {import("./state.js").State} state */
+  async #open(state) {
+    this.clip = state.clip;
+    this.found.clear();
+    this.info = null;
+    byId("viewer-status").textContent = "Loading…";
+    byId("viewer-title").textContent = "";
+    byId("big").classList.add("loading");
+    for (const id of ["viewer-captions", "described", "viewer-facts"]) byId(id).replaceChildren();
+    this.timeline.draw([]);
+    try {
+      const info = await api.motion(state.clip);
+      const motion = await api.joints(state.clip, undefined, undefined, info.duration > LONG ? 10 : 20);
+      if (state.clip !== this.clip) return;
+      this.info = info;
+      this.#showInfo(info);
+      const [from, to] = [Number(state.a) || 0, Math.min(Number(state.b) || info.duration, info.duration)];
+      this.timeline.open(info.duration, 0, info.duration);
+      if (this.view) {
+        this.view.show(motion);
+        Object.assign(this.view, { playing: this.isPlaying(), loop: byId("loop").checked, speed: Number(byId("speed").value) });
+      }
+      this.cut(Math.min(from, to), to, false);
+      this.view?.seek(from);
+      byId("viewer-status").textContent = "";
+      byId("viewer-title").focus({ preventScroll: true });
+    } catch (error) {
+      if (state.clip === this.clip) byId("viewer-status").textContent = /** @type {Error} */ (error).message;
+      return;
+    } finally {
+      byId("big").classList.remove("loading");
+    }
+    this.#describe(state.clip);
+  }
+
+  /** @param {import("./api.js").MotionInfo} info */
+  #showInfo(info) {
+    document.title = `${info.name} – motionseek`;
+    byId("viewer-title").textContent = info.name;
+    byId("viewer-file").textContent = info.path;
+    const facts = { Duration: clock(info.duration), Frames: `${info.frames} at ${+info.fps.toFixed(2)} a second`, Format: info.format, Rig: info.rig };
+    byId("viewer-facts").replaceChildren(...Object.entries(facts).flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]));
+    const captions = (info.captions ?? []).slice(0, 6).map(({ text, start, end }) =>
+      el("blockquote", {}, text, start === null ? null : el("small", {}, ` ${start.toFixed(1)}–${(end ?? info.duration).toFixed(1)} s`)));
+    byId("viewer-captions").replaceChildren(...captions); // prettier-ignore
+  }
+
+  /** @param {string} clip */
+  async #describe(clip) {
+    try {
+      const { sentences } = await api.describe(clip);
+      if (clip !== this.clip) return;
+      byId("described").replaceChildren(...sentences.map(({ text, score }) =>
+        el("li", {}, el("a", { href: link({ ...CLOSED, q: text, like: "", ids: "", view: "" }) }, text), el("span", { class: "score" }, score.toFixed(2))))); // prettier-ignore
+    } catch (error) {
+      byId("described").replaceChildren(el("li", {}, /** @type {Error} */ (error).message));
+    }
+  }
+
+  /** @param {import("./state.js").State} state */
+  async #showTracks(state) {
+    const { clip } = this;
+    const sentences = [...new Set([state.q, ...state.ask].filter(Boolean))];
+    for (const text of sentences) if (!this.found.has(text)) this.found.set(text, api.momentsIn(clip, text));
+    byId("viewer-status").textContent = sentences.length ? "Looking through the take…" : "";
+    const answers = await Promise.allSettled(sentences.map((text) => /** @type {any} */ (this.found.get(text))));
+    if (clip !== this.clip) return;
+    const tracks = answers.map((answer, i) => {
+      const text = sentences[i];
+      const common = { text, colour: i % COLOURS, removable: state.ask.includes(text) };
+      if (answer.status === "rejected") {
+        this.found.delete(text);
+        return { ...common, times: [], similarity: [], moments: [], note: answer.reason.message };
+      }
+      const { hits, curve } = answer.value;
+      const sure = hits.filter((/** @type {any} */ hit) => hit.strength === "strong" || hit.strength === "plausible");
+      const moments = sure.length ? sure : hits.slice(0, 1);
+      const said = sure.length ? `${sure.length} ${sure.length === 1 ? "moment" : "moments"}` : "best guess only";
+      return { ...common, times: curve.times, similarity: curve.similarity[text] ?? Object.values(curve.similarity)[0] ?? [], moments, note: said };
+    });
+    this.timeline.draw(tracks);
+    byId("viewer-status").textContent = "";
+  }
+
+  /** @param {import("./api.js").Hit} hit */
+  #goTo(hit) {
+    this.cut(hit.start, hit.end, true);
+    this.seek(hit.start);
+    if (this.view) this.view.playing = this.isPlaying();
+    this.#showTime();
+  }
+
+  #removeTrack(text) {
+    go({ ask: read().ask.filter((asked) => asked !== text) });
+  }
+
+  #showTrail() {
+    if (!this.view) return;
+    this.view.figure.trail.visible = byId("trail").checked;
+    this.view.stage.dirty = true;
+  }
+
+  #showTime() {
+    if (!this.view || !this.info) return;
+    this.timeline.seek(this.view.time);
+    byId("time").textContent = `${this.view.time.toFixed(2)} / ${this.info.duration.toFixed(2)} s`;
+    byId("play").textContent = this.view.playing ? "❚❚" : "▶";
+    byId("play").setAttribute("aria-label", this.view.playing ? "Pause" : "Play");
+  }
+
+  #showCut() {
+    if (!this.info) return;
+    const { from, to } = this.timeline;
+    const whole = from <= 0 && to >= this.info.duration;
+    const [start, end] = whole ? [undefined, undefined] : [from.toFixed(3), to.toFixed(3)];
+    byId("cut").textContent = whole ? "the whole take" : `cut ${from.toFixed(2)}–${to.toFixed(2)} s`;
+    byId("whole").disabled = whole;
+    byId("export").textContent = whole ? "Export the take" : "Export the cut";
+    byId("export").href = api.exportAddress(this.clip, start, end, byId("export-format").value);
+    byId("similar").href = link({ ...CLOSED, q: "", view: "", ids: "", like: this.clip, from: whole ? "" : from.toFixed(2), to: whole ? "" : to.toFixed(2) });
+  }
+}
