@@ -202,6 +202,8 @@ def open_session(path: Path, threads: int | None = None) -> InferenceSession:
     options.intra_op_num_threads = threads or 0
     options.log_severity_level = 3
     options.add_session_config_entry("session.disable_quant_qdq", "1")  # fold DequantizeLinear into the weights
+    # Threads that spin while they wait take the cores from readers and other requests: twice the CPU time, and slower.
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     try:
         return onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
     except Exception as error:  # onnxruntime's errors have no common base but Exception
