@@ -62,7 +62,7 @@ function mesh(geometry, material, order) {
   return made;
 }
 
-// All count as transparent, so that they are drawn in their order: ground, shadow, body, trail.
+// All count as transparent, so that they are drawn in their order: shadow, ground, body, trail.
 const bodyMaterial = new ShaderMaterial({
   vertexShader: shaders.capsuleVertex, fragmentShader: shaders.capsuleFragment, transparent: true, premultipliedAlpha: true,
 }); // prettier-ignore
@@ -93,8 +93,8 @@ export class Figure {
     this.trail = mesh(instanced(CAPSULE, this.trailA, this.trailB, this.trailTint), trailMaterial, 4);
     this.trail.visible = false;
     this.meshes = [
-      mesh(SQUARE, groundMaterial, 1),
-      mesh(instanced(SQUARE, this.a, this.b), shadowMaterial, 2),
+      mesh(SQUARE, groundMaterial, 2),
+      mesh(instanced(SQUARE, this.a, this.b), shadowMaterial, 1),
       mesh(instanced(CAPSULE, this.a, this.b, this.tint), bodyMaterial, 3),
       this.trail,
     ];

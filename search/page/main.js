@@ -20,6 +20,7 @@ const dark = matchMedia("(prefers-color-scheme: dark)");
 const chosen = localStorage.getItem("theme");
 if (chosen) document.documentElement.dataset.theme = chosen;
 
+let waiting = 0; // the timer that runs while somebody types
 let playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
 const isPlaying = () => playing;
 const stage = makeStage();
@@ -42,7 +43,7 @@ function show(state) {
   const where = state.clip ? "viewer" : state.view === "map" ? "map" : "results";
   const moved = byId(where).hidden;
   for (const id of ["viewer", "map", "results"]) byId(id).hidden = id !== where;
-  if (document.activeElement !== byId("q")) byId("q").value = state.q;
+  if (!waiting && byId("q").value.trim() !== state.q) byId("q").value = state.q;
   byId("moments").checked = Boolean(state.moments);
   for (const input of byId("filters").elements) if (input.name) input.value = state[input.name];
   const set = Object.values(filters(state)).filter(Boolean).length;
@@ -66,15 +67,19 @@ function show(state) {
 const ask = (/** @type {Partial<import("./state.js").State>} */ changes, quietly) =>
   go({ ...CLOSED, like: "", from: "", to: "", ids: "", ...changes }, { quietly });
 
-let waiting = 0;
+/** Ask what is written: now, or once nothing was typed for a while. */
+function askWritten() {
+  clearTimeout(waiting);
+  waiting = 0;
+  ask({ q: byId("q").value.trim() }, Boolean(read().q));
+}
 byId("q").addEventListener("input", () => {
   clearTimeout(waiting);
-  waiting = setTimeout(() => ask({ q: byId("q").value.trim() }, Boolean(read().q)), PAUSE);
+  waiting = setTimeout(askWritten, PAUSE);
 });
 byId("ask").addEventListener("submit", (/** @type {Event} */ event) => {
   event.preventDefault();
-  clearTimeout(waiting);
-  ask({ q: byId("q").value.trim() }, Boolean(read().q));
+  askWritten();
 });
 byId("q").addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
   if (event.key !== "ArrowDown" || !grid.cards.length) return;
@@ -83,10 +88,11 @@ byId("q").addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
 });
 byId("moments").addEventListener("change", () => go({ ...CLOSED, moments: byId("moments").checked ? "1" : "" }));
 byId("home").addEventListener("click", () => (byId("q").value = ""));
+let narrowing = 0;
 byId("filters").addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());
 byId("filters").addEventListener("input", () => {
-  clearTimeout(waiting);
-  waiting = setTimeout(() => go(Object.fromEntries(new FormData(byId("filters"))), { quietly: true }), PAUSE);
+  clearTimeout(narrowing);
+  narrowing = setTimeout(() => go(Object.fromEntries(new FormData(byId("filters"))), { quietly: true }), PAUSE);
 });
 byId("filters").addEventListener("reset", () => go({ min: "", max: "", path: "", format: "", captioned: "" }));
 byId("filters-button").addEventListener("click", () => {

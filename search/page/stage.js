@@ -19,7 +19,7 @@ export class View {
     /** @type {import("./motion.js").Motion | null} */
     this.motion = null;
     this.time = this.from = this.to = 0;
-    [this.yaw, this.pitch, this.zoom] = [0.6, PITCH, 1];
+    [this.yaw, this.pitch, this.zoom, this.eye] = [0.6, PITCH, 1, 0.86];
     [this.playing, this.loop, this.speed, this.visible] = [false, true, 1, false];
     /** @type {(() => void) | null} called after the time changed */
     this.onTime = null;
@@ -31,7 +31,8 @@ export class View {
     this.motion = motion;
     [this.from, this.to] = [motion.start, motion.end];
     this.yaw = motion.heading + 0.6;
-    this.zoom = clamp(Math.max(motion.reach.side / 0.9, motion.reach.up / 1.9), 1, 2.2);
+    this.zoom = clamp(Math.max(motion.reach.side / 0.9, motion.reach.up / 1.85), 1, 2.2);
+    this.eye = clamp(motion.reach.up / 2 - 0.05, 0.86, 1.6);
     this.seek(motion.start);
   }
 
@@ -154,11 +155,10 @@ export class Stage {
     const aspect = box.width / box.height;
     const away = (4.5 * view.zoom) / Math.min(1, aspect * 1.15);
     const flat = away * Math.cos(view.pitch);
-    const eye = 0.86 * Math.max(1, view.zoom * 0.9);
     this.camera.aspect = aspect;
     this.camera.updateProjectionMatrix();
-    this.camera.position.set(x + flat * Math.sin(view.yaw), eye + away * Math.sin(view.pitch), z + flat * Math.cos(view.yaw));
-    this.camera.lookAt(x, eye, z);
+    this.camera.position.set(x + flat * Math.sin(view.yaw), view.eye + away * Math.sin(view.pitch), z + flat * Math.cos(view.yaw));
+    this.camera.lookAt(x, view.eye, z);
     this.renderer.setViewport(box.left, height - box.bottom, box.width, box.height);
     this.renderer.setScissor(box.left, height - box.bottom, box.width, box.height);
     this.renderer.clearDepth();

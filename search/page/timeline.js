@@ -61,8 +61,8 @@ export class Timeline {
   /** @param {Track[]} tracks drawn on one scale, so that they can be compared */
   draw(tracks) {
     const all = tracks.flatMap((track) => track.similarity);
-    const top = Math.max(...all, LEAST_SPREAD);
-    const bottom = Math.min(Math.min(...all), top - LEAST_SPREAD);
+    const top = all.reduce((most, value) => Math.max(most, value), LEAST_SPREAD);
+    const bottom = all.reduce((least, value) => Math.min(least, value), top - LEAST_SPREAD);
     this.tracks.replaceChildren(...tracks.map((track) => this.#track(track, bottom, top)));
   }
 

@@ -22,8 +22,10 @@ export class Viewer {
       onRemove: (text) => this.#removeTrack(text),
       onMoment: (hit) => this.#goTo(hit),
     });
-    /** @type {Map<string, ReturnType<typeof api.momentsIn>>} sentence -> what was found in the open clip */
+    /** @type {Map<string, object>} sentence -> its track in the open clip, but for colour */
     this.found = new Map();
+    /** @type {string[]} */
+    this.sentences = [];
     byId("play").addEventListener("click", () => this.toggle());
     byId("speed").addEventListener("change", () => this.view && (this.view.speed = Number(byId("speed").value)));
     byId("loop").addEventListener("change", () => this.view && (this.view.loop = byId("loop").checked));
@@ -41,7 +43,7 @@ export class Viewer {
   /** @param {import("./state.js").State} state of an open clip */
   async show(state) {
     if (state.clip !== this.clip) await this.#open(state);
-    if (this.info && state.clip === this.clip) await this.#showTracks(state);
+    if (this.info && state.clip === this.clip) this.#showTracks(state);
   }
 
   close() {
@@ -153,29 +155,28 @@ export class Viewer {
     }
   }
 
-  /** @param {import("./state.js").State} state */
-  async #showTracks(state) {
+  /** Ask what was not yet asked of the clip; each answer is drawn as it comes. @param {import("./state.js").State} state */
+  #showTracks(state) {
     const { clip } = this;
-    const sentences = [...new Set([state.q, ...state.ask].filter(Boolean))];
-    for (const text of sentences) if (!this.found.has(text)) this.found.set(text, api.momentsIn(clip, text));
-    byId("viewer-status").textContent = sentences.length ? "Looking through the take…" : "";
-    const answers = await Promise.allSettled(sentences.map((text) => /** @type {any} */ (this.found.get(text))));
-    if (clip !== this.clip) return;
-    const tracks = answers.map((answer, i) => {
-      const text = sentences[i];
-      const common = { text, colour: i % COLOURS, removable: state.ask.includes(text) };
-      if (answer.status === "rejected") {
-        this.found.delete(text);
-        return { ...common, times: [], similarity: [], moments: [], note: answer.reason.message };
-      }
-      const { hits, curve } = answer.value;
-      const sure = hits.filter((/** @type {any} */ hit) => hit.strength === "strong" || hit.strength === "plausible");
-      const moments = sure.length ? sure : hits.slice(0, 1);
-      const said = sure.length ? `${sure.length} ${sure.length === 1 ? "moment" : "moments"}` : "best guess only";
-      return { ...common, times: curve.times, similarity: curve.similarity[text] ?? Object.values(curve.similarity)[0] ?? [], moments, note: said };
-    });
+    this.sentences = [...new Set([state.q, ...state.ask].filter(Boolean))];
+    for (const text of this.sentences) {
+      if (this.found.has(text)) continue;
+      const blank = { text, times: [], similarity: [], moments: [], note: "looking…" };
+      this.found.set(text, blank);
+      api.momentsIn(clip, text).then((answer) => tracked(text, answer), (error) => ({ ...blank, note: error.message }))
+        .then((track) => {
+          if (clip !== this.clip) return;
+          this.found.set(text, track);
+          this.#drawTracks();
+        }); // prettier-ignore
+    }
+    this.#drawTracks();
+  }
+
+  #drawTracks() {
+    const asked = read().ask;
+    const tracks = this.sentences.map((text, i) => ({ .../** @type {any} */ (this.found.get(text)), colour: i % COLOURS, removable: asked.includes(text) }));
     this.timeline.draw(tracks);
-    byId("viewer-status").textContent = "";
   }
 
   /** @param {import("./api.js").Hit} hit */
@@ -215,4 +216,12 @@ export class Viewer {
     byId("export").href = api.exportAddress(this.clip, start, end, byId("export-format").value);
     byId("similar").href = link({ ...CLOSED, q: "", view: "", ids: "", like: this.clip, from: whole ? "" : from.toFixed(2), to: whole ? "" : to.toFixed(2) });
   }
+}
+
+/** What was found, as a track: sure moments, else the best guess. @param {string} text @param {Awaited<ReturnType<typeof api.momentsIn>>} answer */
+function tracked(text, { hits, curve }) {
+  const sure = hits.filter(({ strength }) => strength === "strong" || strength === "plausible");
+  const note = sure.length ? `${sure.length} ${sure.length === 1 ? "moment" : "moments"}` : "best guess only";
+  const similarity = curve.similarity[text] ?? Object.values(curve.similarity)[0] ?? [];
+  return { text, times: curve.times, similarity, moments: sure.length ? sure : hits.slice(0, 1), note };
 }

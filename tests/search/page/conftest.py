@@ -1,0 +1,100 @@
+"""The page in a real browser, served as `motionseek serve` serves it. Without Chromium these tests skip."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("fastapi")
+playwright = pytest.importorskip("playwright.sync_api")
+
+import uvicorn
+
+from encoders.bundle import Bundle
+from search.server.app import create_app
+from search.server.served import ServedLibrary
+
+#: Quiet, off the network, and WebGL without a graphics card.
+_FLAGS = (
+    "--no-sandbox --disable-quic --no-first-run --disable-background-networking --disable-component-update "
+    "--disable-sync --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader"
+).split()
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Any]:
+    """The browser."""
+    program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    if program is None:
+        pytest.skip("no Chromium is installed")
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=program, headless=True, args=_FLAGS)
+        yield browser
+        browser.close()
+
+
+@contextmanager
+def serving(folder: Path, bundle: Bundle) -> Iterator[str]:
+    """Serve a library from a thread; gives its address."""
+    listening = socket.socket()
+    listening.bind(("127.0.0.1", 0))
+    app = create_app(ServedLibrary.open(folder, bundle=bundle))
+    server = uvicorn.Server(uvicorn.Config(app, log_level="warning"))
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]})
+    thread.start()
+    try:
+        yield f"http://127.0.0.1:{listening.getsockname()[1]}/"
+    finally:
+        server.should_exit = True
+        thread.join()
+        listening.close()
+
+
+@pytest.fixture(scope="session")
+def bundle(tiny_bundle: Path) -> Bundle:
+    """The tiny model."""
+    return Bundle.load(tiny_bundle, threads=1)
+
+
+@pytest.fixture(scope="session")
+def address(indexed: Path, bundle: Bundle) -> Iterator[str]:
+    """Where the indexed takes are served."""
+    with serving(indexed, bundle) as found:
+        yield found
+
+
+Opened = Callable[..., Any]
+
+
+@pytest.fixture
+def opened(chromium: Any, address: str) -> Iterator[Opened]:
+    """Opens the page at what follows its `#`; in the end nothing may have gone wrong in it, and nothing left the server."""
+    faults: list[str] = []
+    contexts = []
+
+    def open_page(fragment: str = "", *, at: str = address, size: tuple[int, int] = (1280, 860), **options: Any) -> Any:
+        context = chromium.new_context(
+            viewport={"width": size[0], "height": size[1]}, **{"reduced_motion": "reduce", **options}
+        )
+        context.set_default_timeout(int(os.environ.get("MOTIONSEEK_TEST_PATIENCE", "30")) * 1000)
+        contexts.append(context)
+        page = context.new_page()
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("console", lambda said: faults.append(said.text) if "Content Security Policy" in said.text else None)
+        page.on("request", lambda asked: None if asked.url.startswith((at, "blob:")) else faults.append(asked.url))
+        page.goto(f"{at}#{fragment}")
+        page.wait_for_selector("#results:not([hidden])[aria-busy=false], #viewer:not([hidden]), #map:not([hidden])")
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert faults == []

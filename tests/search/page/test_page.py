@@ -1,0 +1,284 @@
+"""What people do on the page, done in a browser."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
+
+import numpy as np
+import pytest
+
+from indexer import ingest
+from search import bvh
+from tests.search.conftest import made_motion
+from tests.search.page.conftest import serving
+
+pytestmark = pytest.mark.slow
+
+_CARDS = "#grid .card"
+_PIXELS = """([left, top, width, height]) => new Promise((done) => requestAnimationFrame(() => {
+  const image = document.createElement('canvas'); image.width = width; image.height = height;
+  image.getContext('2d').drawImage(document.getElementById('canvas'), left, top, width, height, 0, 0, width, height);
+  const data = image.getContext('2d').getImageData(0, 0, width, height).data;
+  let sum = 0, drawn = 0;
+  for (let i = 3; i < data.length; i += 4) if (data[i] > 250) { drawn++; sum = (sum * 31 + i + data[i - 1]) % 1000003; }
+  done([drawn, sum]);
+}))"""
+
+
+def _state(page):
+    """The address after `#`, each name once."""
+    return {name: values[0] for name, values in parse_qs(urlsplit(page.url).fragment).items()}
+
+
+def _drawn(page, selector):
+    """How many pixels of a figure are drawn inside an element, and a sum that changes with them."""
+    page.evaluate("dispatchEvent(new Event('scroll'))")
+    box = page.locator(selector).first.bounding_box()
+    return page.evaluate(_PIXELS, [box["x"], box["y"], box["width"], box["height"]])
+
+
+def _open_clip(page):
+    page.locator(_CARDS).first.click()
+    page.wait_for_selector("#viewer:not([hidden]) #viewer-facts dt")
+
+
+def _number(page, slider):
+    return float(page.locator(slider).get_attribute("aria-valuenow"))
+
+
+def test_results_appear_as_one_pauses_and_the_address_names_them(opened):
+    page = opened()
+    assert page.locator(_CARDS).count() == 5
+    with page.expect_response(re.compile("api/search")) as answer:
+        page.locator("#q").press_sequentially("a person walks", delay=20)
+    assert parse_qs(urlsplit(answer.value.url).query)["q"] == ["a person walks"]
+    page.wait_for_selector("#status:has-text('a person walks')")
+    assert page.locator(_CARDS).count() == 5
+    assert page.locator(".card .score").count() == 5
+    assert _state(page) == {"q": "a person walks"}
+    page.go_back()
+    page.wait_for_selector("#chips:not([hidden])")
+    assert page.locator("#q").input_value() == ""
+
+
+def test_a_slow_answer_to_an_older_question_is_dropped(opened):
+    page = opened()
+    late = []
+    page.route(re.compile("q=old"), lambda route: late.append(route))
+    page.locator("#q").fill("old")
+    page.wait_for_timeout(600)
+    page.locator("#q").fill("new")
+    page.wait_for_selector("#status:has-text('new')")
+    assert late
+    assert "old" not in page.locator("#status").inner_text()
+
+
+def test_figures_are_drawn_and_move(opened):
+    page = opened(reduced_motion="no-preference")
+    page.wait_for_selector(".card .stage:not(.loading)")
+    page.wait_for_timeout(500)
+    drawn, before = _drawn(page, ".card .stage")
+    assert drawn > 500
+    page.wait_for_timeout(700)
+    assert _drawn(page, ".card .stage")[1] != before
+
+
+def test_nothing_moves_by_itself_where_people_asked_for_less_motion(opened):
+    page = opened()
+    page.wait_for_selector(".card .stage:not(.loading)")
+    page.wait_for_timeout(500)
+    before = _drawn(page, ".card .stage")
+    page.wait_for_timeout(500)
+    assert _drawn(page, ".card .stage") == before
+
+
+def test_a_clip_plays_and_can_be_scrubbed(opened):
+    page = opened()
+    _open_clip(page)
+    page.keyboard.press("Space")
+    page.wait_for_function("document.querySelector('#timeline .head').ariaValueNow > 0.2")
+    page.keyboard.press("Space")
+    box = page.locator(".ruler").bounding_box()
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + 5)
+    duration = float(page.locator("#timeline .head").get_attribute("aria-valuemax"))
+    assert _number(page, "#timeline .head") == pytest.approx(duration / 2, abs=0.05)
+
+
+def test_a_moment_is_marked_and_takes_the_in_and_out_points(opened):
+    page = opened("clip=1&q=a+person+walks&ask=waves")
+    page.wait_for_selector(".track .moment")
+    page.wait_for_function("document.querySelectorAll('.track .line[d]').length === 2")
+    page.locator(".track .moment").first.click()
+    start, end = _number(page, "#timeline .in"), _number(page, "#timeline .out")
+    assert end > start
+    page.locator(".track .remove").click()
+    page.wait_for_function("document.querySelectorAll('.track').length === 1")
+    assert "ask" not in _state(page)
+
+
+def test_in_and_out_points_are_dragged_and_kept_in_the_address(opened):
+    page = opened("clip=1")
+    page.wait_for_selector("#viewer-facts dt")
+    box, handle = page.locator(".ruler").bounding_box(), page.locator("#timeline .in").bounding_box()
+    page.mouse.move(handle["x"] + 5, handle["y"] + 10)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] / 4, box["y"] + 10)
+    page.mouse.up()
+    duration = float(page.locator("#timeline .in").get_attribute("aria-valuemax"))
+    assert float(_state(page)["a"]) == pytest.approx(duration / 4, abs=0.05)
+
+
+@pytest.mark.parametrize("ending", ["bvh", "npz", "npy"])
+def test_the_cut_is_exported(opened, ending):
+    page = opened("clip=1&a=0.5&b=1.5")
+    page.wait_for_selector("#viewer-facts dt")
+    page.locator("#export-format").select_option(ending)
+    with page.expect_download() as download:
+        page.locator("#export").click()
+    assert download.value.suggested_filename.endswith(f".{ending}")
+    assert Path(download.value.path()).stat().st_size > 500
+
+
+def test_a_dropped_file_is_described_and_finds_what_is_like_it(opened, tmp_path):
+    page = opened()
+    with (tmp_path / "mine.bvh").open("wb") as file:
+        bvh.write(file, made_motion(3.0, 5))
+    dropped = page.evaluate_handle(
+        "text => { const data = new DataTransfer(); data.items.add(new File([text], 'mine.bvh')); return data }",
+        (tmp_path / "mine.bvh").read_text(),
+    )
+    page.dispatch_event("body", "dragenter", {"dataTransfer": dropped})
+    assert page.locator("#drop").is_visible()
+    page.dispatch_event("body", "drop", {"dataTransfer": dropped})
+    page.wait_for_selector("#described li")
+    assert _state(page)["clip"].startswith("u")
+    page.keyboard.press("s")
+    page.wait_for_selector(_CARDS)
+    assert "Moves like" in page.locator("#status").inner_text()
+
+
+def test_a_file_that_is_no_motion_is_refused_in_words(opened):
+    page = opened()
+    page.locator("#file").set_input_files({"name": "bad.bvh", "mimeType": "text/plain", "buffer": b"HIERARCHY\nROOT"})
+    page.wait_for_selector("#status:has-text('bad.bvh:')")
+
+
+def test_the_keyboard_alone_is_enough(opened):
+    page = opened()
+    page.keyboard.press("/")
+    page.keyboard.type("walks")
+    page.wait_for_selector("#status:has-text('walks')")
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("ArrowRight")
+    second = page.locator(_CARDS).nth(1)
+    assert second.evaluate("card => card === document.activeElement")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#viewer:not([hidden]) #viewer-facts dt")
+    for _ in range(6):
+        page.keyboard.press(".")
+    page.keyboard.press("[")
+    assert _number(page, "#timeline .in") == pytest.approx(_number(page, "#timeline .head"), abs=0.02)
+    with page.expect_download():
+        page.keyboard.press("e")
+    page.keyboard.press("Escape")
+    page.wait_for_selector("#results:not([hidden])")
+    page.keyboard.press("?")
+    assert page.locator("#help").is_visible()
+
+
+def test_a_narrow_screen_needs_no_sideways_scrolling(opened):
+    for fragment in ("q=walks", "clip=1&q=walks", "view=map"):
+        page = opened(fragment, size=(360, 740))
+        page.wait_for_timeout(500)
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), fragment
+
+
+def test_an_empty_library_says_what_to_do(opened, tmp_path, bundle):
+    ingest.index(tmp_path, bundle=bundle, jobs=1)
+    with serving(tmp_path, bundle) as address:
+        page = opened(at=address)
+        assert "motionseek index" in page.locator("#notice").inner_text()
+
+
+def test_answers_that_are_all_weak_are_called_so(opened):
+    page = opened()
+    weak = {"rank": 1, "path": "a.bvh", "score": 0.1, "strength": "weak", "start": 0, "end": 1, "duration": 2,
+            "caption": "", "clip": 1}  # fmt: skip
+    page.route(re.compile("api/search"), lambda route: route.fulfill(json={"query": "x", "hits": [weak]}))
+    page.locator("#q").fill("purple")
+    page.wait_for_selector("#notice:has-text('Nothing here clearly matches')")
+    assert page.locator(".strength").inner_text() == "weak"
+
+
+def test_an_error_is_told_and_can_be_tried_again(opened):
+    page = opened()
+    page.route(re.compile("api/search"), lambda route: route.fulfill(status=503, json={"error": "busy"}))
+    page.locator("#q").fill("walks")
+    page.wait_for_selector("#notice:has-text('busy')")
+    page.unroute(re.compile("api/search"))
+    page.locator("#notice button").click()
+    page.wait_for_selector(_CARDS)
+
+
+def test_script_in_captions_and_names_stays_text(opened, tmp_path, bundle):
+    attack = "<img src=x onerror=document.title='owned'><script>document.title='owned'</script>"
+    name = "<b onclick=alert(1)>take&amp;.npy"
+    np.save(tmp_path / name, made_motion(3.0, 1).joints)
+    (tmp_path / name.replace(".npy", ".txt")).write_text(attack, encoding="utf-8")
+    ingest.index(tmp_path, bundle=bundle, jobs=1)
+    with serving(tmp_path, bundle) as address:
+        page = opened("q=walks", at=address)
+        page.wait_for_selector(".card .file")
+        assert page.locator(".card .file").inner_text() == name
+        _open_clip(page)
+        page.wait_for_selector("#viewer-captions blockquote")
+        assert page.locator("#viewer-captions").inner_text().strip() == attack
+        assert page.locator("main img, main script, main b").count() == 0
+        assert "owned" not in page.title()
+
+
+def test_the_map_shows_clips_under_the_pointer_and_picks_by_lasso(opened):
+    page = opened("view=map")
+    page.wait_for_selector("#labels li")
+    page.locator("#points").focus()
+    page.keyboard.press("ArrowRight")
+    page.wait_for_selector("#peek:not([hidden])")
+    box = page.locator("#points").bounding_box()
+    corners = [(2, 2), (box["width"] - 2, 2), (box["width"] - 2, box["height"] - 2), (2, box["height"] - 2)]
+    page.mouse.move(box["x"] + 2, box["y"] + 2)
+    page.mouse.down()
+    for x, y in corners[1:]:
+        page.mouse.move(box["x"] + x, box["y"] + y, steps=3)
+    page.mouse.up()
+    page.locator("#picked").click()
+    page.wait_for_function("document.querySelectorAll('#grid .card').length === 5")
+    assert len(_state(page)["ids"].split(",")) == 5
+
+
+def test_filters_narrow_the_answers_and_travel_in_the_link(opened):
+    page = opened("q=walks&min=7")
+    assert page.locator(_CARDS).count() == 2
+    assert page.locator("#filter-count").inner_text() == "(1)"
+
+
+def test_light_and_dark_follow_the_system_and_the_button(opened):
+    page = opened(color_scheme="dark")
+    paper = "getComputedStyle(document.body).backgroundColor"
+    dark = page.evaluate(paper)
+    page.keyboard.press("d")
+    assert page.evaluate(paper) != dark
+
+
+@pytest.mark.skipif("MOTIONSEEK_PICTURE" not in os.environ, reason="MOTIONSEEK_PICTURE names no file to write")
+def test_picture_for_the_readme(opened, chromium):
+    """Writes the picture to $MOTIONSEEK_PICTURE, of the server at $MOTIONSEEK_ADDRESS where one is named."""
+    at = {"at": os.environ["MOTIONSEEK_ADDRESS"]} if "MOTIONSEEK_ADDRESS" in os.environ else {}
+    page = opened(os.environ.get("MOTIONSEEK_VIEW", "q=a+person+kicks+a+ball"), size=(1360, 850), **at)
+    page.wait_for_function("![...document.querySelectorAll('.stage.loading')].some(x => x.getBoundingClientRect().top < innerHeight)")  # fmt: skip
+    page.wait_for_timeout(1500)
+    target = Path(os.environ["MOTIONSEEK_PICTURE"])
+    page.screenshot(path=target)
+    assert target.stat().st_size < 400_000
