@@ -13,7 +13,7 @@ from search.commands import options
 if TYPE_CHECKING:
     from encoders.bundle import Bundle
 
-_PROTOCOLS = ("labels", "described", "corpus", "nonsense")
+_PROTOCOLS = ("labels", "described", "corpus", "nonsense", "moments")
 _FILE = click.Path(path_type=Path)
 
 
@@ -26,7 +26,9 @@ _FILE = click.Path(path_type=Path)
 @click.option("--queries", type=_FILE, default=Path("queries.tsv"), help="Table with columns label and query.")
 @click.option("--captions", type=_FILE, help="JSON lines with trial, start_frame, end_frame, fps, captions, split.")
 @click.option("--split", default="val", show_default=True, help="Split of the captioned takes to ask about.")
-@click.option("--count", type=click.IntRange(64), default=4000, show_default=True, help="Made clips in the gallery.")
+@click.option("--labelled", type=_FILE, help="Folder with labels.tsv and queries.tsv, for moments in joined clips.")
+@click.option("--segments", type=_FILE, help='JSON, {trial: [{"start", "end", "label"}]}: what people marked in takes.')
+@click.option("--count", type=click.IntRange(1), help="Made clips in the gallery (4000), or takes with moments (100).")
 @click.option("--bundle", "place", type=click.Path(exists=True, file_okay=False), help="Another model's folder.")
 @options.as_json
 def evaluate(
@@ -36,7 +38,9 @@ def evaluate(
     queries: Path,
     captions: Path | None,
     split: str,
-    count: int,
+    labelled: Path | None,
+    segments: Path | None,
+    count: int | None,
     place: str | None,
     as_json: bool,
 ) -> None:
@@ -45,13 +49,15 @@ def evaluate(
     labels: rank all labelled clips of FOLDER for each query of each label, by average precision.
     described: the rank of the best file for each description in FOLDER's manifest.tsv, and for what people wrote.
     corpus: retrieval among made clips nobody trained on. nonsense: how often sentences about other things are
-    called strong.
+    called strong. moments: how well sentences are found in long takes, beside the paper's way: in made takes, and with
+    FOLDER and --captions in takes joined from its clips and where people marked them.
 
     \b
     Examples:
       motionseek evaluate my_mocap/ --labels labels.tsv --queries queries.tsv
       motionseek evaluate data/mocap --protocol described --captions captions.jsonl
       motionseek evaluate --protocol corpus --count 1000
+      motionseek evaluate data/mocap --protocol moments --captions captions.jsonl --count 50
     """
     from encoders.bundle import Bundle
 
@@ -63,7 +69,9 @@ def evaluate(
             raise QueryError("--protocol described needs --captions FILE")
         _described(_needed(folder, protocol), captions, split, bundle, as_json)
     elif protocol == "corpus":
-        _show(_corpus(count, bundle), as_json)
+        _show(_corpus(count or 4000, bundle), as_json)
+    elif protocol == "moments":
+        _moments(count or 100, folder, captions, split, labelled, segments, bundle, as_json)
     else:
         _show({"out of domain": _nonsense(bundle)}, as_json)
 
@@ -115,6 +123,38 @@ def _corpus(count: int, bundle: Bundle) -> dict[str, dict[str, float]]:
     from search.evaluate.corpus import evaluate_corpus
 
     return evaluate_corpus(made_clips(TEST, count, FEATURE_KINDS[bundle.feature_kind]), bundle)
+
+
+def _moments(
+    count: int,
+    folder: Path | None,
+    captions: Path | None,
+    split: str,
+    labelled: Path | None,
+    segments: Path | None,
+    bundle: Bundle,
+    as_json: bool,
+) -> None:
+    from indexer.captioned import captioned_takes
+    from search import terminal
+    from search.evaluate import marked
+    from search.evaluate.moments import evaluate_moments
+
+    sets = {"made takes": marked.composed(count)}
+    if folder is not None and captions is not None:
+        takes = list(captioned_takes(folder, captions, split))
+        clips = marked.described_clips(takes) + (marked.labelled_clips(labelled) if labelled else [])
+        sets["takes joined from real clips"] = marked.joined(clips, count)
+        sets["real takes, as people marked them"] = marked.marked_by_people(takes, segments)
+    figures = {name: evaluate_moments(takes_of, bundle) for name, takes_of in sets.items()}
+    if as_json:
+        terminal.document(figures)
+        return
+    shown = ("questions", "accuracy at 0.3", "accuracy at 0.4", "accuracy at 0.5", "accuracy at 0.7", "R@5 at 0.5",
+             "mean IoU", "mAP 0.1 to 0.7")  # fmt: skip
+    for name, ways in figures.items():
+        terminal.note(name)
+        terminal.table(("", *shown), [(way, *(f"{row[key]:.1f}" for key in shown)) for way, row in ways.items()])
 
 
 def _nonsense(bundle: Bundle) -> dict[str, float]:
