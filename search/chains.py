@@ -14,6 +14,8 @@ from search.steps import in_order
 #: Lengths in seconds of the windows from which steps are chosen, and frames from one to the next.
 _LENGTHS = (1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0)
 _STRIDE = 2
+#: The shortest step, in seconds.
+_LEAST = 0.5
 
 
 def candidates(encoder: Encoder, features: Vectors, fps: float, queries: Vectors) -> Scored:
@@ -62,7 +64,7 @@ def sharpen_chain(
         rows.append(gain)
     return [
         Moment(offset + a / fps, offset + b / fps, float(values[a:b].mean()))
-        for values, (a, b) in zip(similarity, best_spans(rows), strict=True)
+        for values, (a, b) in zip(similarity, best_spans(rows, round(_LEAST * fps)), strict=True)
     ]
 
 

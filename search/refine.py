@@ -66,7 +66,7 @@ def _extent(gain: NDArray[np.float64], dip: float) -> int:
     return int(np.argmax(total[: fallen[0]] if len(fallen) else total))
 
 
-def best_spans(gain: Sequence[NDArray[np.float64]]) -> list[tuple[int, int]]:
+def best_spans(gain: Sequence[NDArray[np.float64]], least: int = 1) -> list[tuple[int, int]]:
     """Consecutive spans of frames, one a row, that add up to most; each begins where the one before ends or later.
 
     Kadane's algorithm for one row, its extension by dynamic programming for several: the best chain that ends at each
@@ -75,12 +75,15 @@ def best_spans(gain: Sequence[NDArray[np.float64]]) -> list[tuple[int, int]]:
     Parameters
     ----------
     gain : sequence of S float64 arrays (T',)
+    least : int
+        Frames of a span; fewer where there are too few for all rows.
 
     Returns
     -------
-    list of (start, end), S frames ranges of at least one frame, `end` exclusive
+    list of (start, end), S ranges of frames, `end` exclusive
     """
     frames = len(gain[0])
+    least = max(min(least, frames // len(gain)), 1)
     numbers = np.arange(frames + 1)
     before = np.zeros(frames + 1)  # the best chain of the rows so far that ends at or before each frame
     links = []
@@ -89,10 +92,11 @@ def best_spans(gain: Sequence[NDArray[np.float64]]) -> list[tuple[int, int]]:
         opening = before - total
         best = np.maximum.accumulate(opening)
         begin = np.maximum.accumulate(np.where(opening >= best, numbers, 0))
-        ending = np.concatenate([[-np.inf], total[1:] + best[:-1]])
+        ending = np.full(frames + 1, -np.inf)
+        ending[least:] = total[least:] + best[:-least]
         before = np.maximum.accumulate(ending)
         end = np.maximum.accumulate(np.where(ending >= before, numbers, 0))
-        links.append((np.concatenate([[0], begin[:-1]]), end))
+        links.append((np.concatenate([np.zeros(least, np.int64), begin[:-least]]), end))
     found, at = [], frames
     for begin, end in reversed(links):
         last = int(end[at])

@@ -7,8 +7,9 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-#: What each second between two steps costs, in cosine: steps follow one another closely.
-GAP_COST = 0.08
+#: What each second between two steps costs, in cosine, and what a gap costs at most: steps follow one another closely,
+#: but a person may sit for long before standing up.
+GAP_COST, LARGEST_GAP_COST = 0.08, 0.25
 
 _ORDER = re.compile(
     r"\s*[,;.]?\s*\b(?:and\s+)?(?:then|after\s+that|afterwards?|next|finally|followed\s+by)\b\s*,?\s*(?:and\s+)?"
@@ -78,12 +79,11 @@ def in_order(
     before = np.searchsorted(ends, starts + 1e-6, side="right") - 1  # the last window that ends before each begins
     value, links = scores[0], []
     for step in scores[1:]:
-        reach = value + GAP_COST * ends
-        best = np.maximum.accumulate(reach)
-        leader = np.maximum.accumulate(np.where(reach >= best, np.arange(len(reach)), 0))
-        link = np.where(before >= 0, leader[before], -1)
-        links.append(link)
-        value = np.where(before >= 0, step + best[before] - GAP_COST * starts, -np.inf)
+        near, near_link = _best_before(value + GAP_COST * ends, before)
+        far, far_link = _best_before(value - LARGEST_GAP_COST, before)
+        near -= GAP_COST * starts
+        links.append(np.where(near >= far, near_link, far_link))
+        value = step + np.maximum(near, far)
     at = int(np.argmax(value))
     if not np.isfinite(value[at]):
         return None
@@ -93,7 +93,10 @@ def in_order(
     return order[np.array(chain[::-1])].astype(np.int64), total
 
 
-def at_once(scores: NDArray[np.floating]) -> NDArray[np.float32]:
-    """The score (N,) of each window for several things at the same time, scores (S, N): no better than the worst."""
-    least: NDArray[np.float32] = np.asarray(scores, np.float32).min(axis=0)
-    return least
+def _best_before(
+    value: NDArray[np.float64], before: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """The highest of the values up to each index in `before`, and its place; minus infinity before the first."""
+    best = np.maximum.accumulate(value)
+    leader = np.maximum.accumulate(np.where(value >= best, np.arange(len(value)), 0))
+    return np.where(before >= 0, best[before], -np.inf), np.where(before >= 0, leader[before], -1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,7 +32,7 @@ def document(content: Any) -> None:
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, right: Sequence[str] = ()) -> None:
-    """Print rows as an aligned table, or as lines with TABs between the cells when piped.
+    """Print rows as an aligned table without its empty columns, or as lines with TABs between all cells when piped.
 
     Parameters
     ----------
@@ -48,11 +48,14 @@ def table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, right: Seque
     from rich.table import Table
     from rich.text import Text
 
-    shown = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
-    for column in columns:
-        shown.add_column(column, justify="right" if column in right else "left", overflow="fold")
+    rows = list(rows)
+    shown = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, show_header=any(columns))
+    used = [i for i, column in enumerate(columns) if not column or any(row[i] for row in rows)]
+    for i in used:
+        justify: Literal["right", "left"] = "right" if columns[i] in right else "left"
+        shown.add_column(columns[i], justify=justify, overflow="fold")
     for row in rows:
-        shown.add_row(*(Text(cell, style=_COLOURS.get(cell, "")) for cell in row))
+        shown.add_row(*(Text(row[i], style=_COLOURS.get(row[i], "")) for i in used))
     Console().print(shown)
 
 

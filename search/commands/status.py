@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import click
 
 from search.commands import options
@@ -32,8 +34,17 @@ def status(failed: bool, folder: str | None, as_json: bool) -> None:
         stats = library.stats()
     if as_json:
         terminal.document(stats)
-    else:
-        terminal.table(("", ""), [(name.replace("_", " "), shown(value)) for name, value in stats.items()])
+        return
+    rows = [(name.replace("_", " "), shown(value)) for name, value in stats.items() if name not in _MEASURED]
+    rows += [(name, measure(stats[key])) for key, (name, measure) in _MEASURED.items() if key in stats]
+    terminal.table(("", ""), rows)
+
+
+#: Statistics that a person reads in other units.
+_MEASURED: dict[str, tuple[str, Callable[[float], str]]] = {
+    "seconds": ("motion", lambda seconds: f"{seconds / 3600:.2f} hours"),
+    "bytes": ("on disk", lambda size: f"{size / 1e6:.1f} MB"),
+}
 
 
 def shown(value: object) -> str:
@@ -42,4 +53,6 @@ def shown(value: object) -> str:
         return ", ".join(f"{key} {shown(item)}" for key, item in value.items())
     if isinstance(value, list | tuple):
         return ", ".join(shown(item) for item in value)
-    return f"{value:,.1f}" if isinstance(value, float) else str(value)
+    if isinstance(value, bool) or value is None:
+        return {True: "yes", False: "no", None: "none"}[value]
+    return f"{value:,}" if isinstance(value, int) else str(value)

@@ -86,17 +86,22 @@ def train(
 @click.argument("run", type=_FOLDER)
 @click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--name", default="motionseek", show_default=True, help="The model's name.")
+@click.option("--real", type=_FOLDER, help="Folder of captioned takes; its split val helps to calibrate.")
+@click.option("--captions", type=_FILE, help="What people wrote about them, JSON lines.")
 @click.option("--notes", type=_FILE, help="JSON to put into the manifest as what it was trained on.")
-def release(run: Path, folder: Path, name: str, notes: Path | None) -> None:
+def release(run: Path, folder: Path, name: str, real: Path | None, captions: Path | None, notes: Path | None) -> None:
     """Make the bundle FOLDER of the run RUN: exported, weights in 8 bits, calibrated.
 
     \b
     Examples:
       motionseek model release runs/default my_model/
     """
+    from indexer.captioned import captioned_takes
     from search.release import release as release_run
 
-    bundle = release_run(run, folder, name=name, training=json.loads(notes.read_text("utf-8")) if notes else None)
+    takes = list(captioned_takes(real, captions, "val")) if real and captions else []
+    training = json.loads(notes.read_text("utf-8")) if notes else None
+    bundle = release_run(run, folder, name=name, training=training, takes=takes)
     click.echo(f"{bundle.name} {bundle.fingerprint[:12]} in {folder}")
 
 

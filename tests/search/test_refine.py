@@ -32,6 +32,12 @@ def test_the_spans_add_up_to_most_of_all_in_order(count: int, seed: int) -> None
     assert all(before[1] <= after[0] for before, after in itertools.pairwise(found))
 
 
+def test_spans_have_a_least_length_where_there_is_room() -> None:
+    gain = -np.ones((2, 20))
+    assert all(b - a == 5 for a, b in best_spans(list(gain), 5))
+    assert all(b - a == 10 for a, b in best_spans(list(gain), 50))
+
+
 def test_a_moment_ends_where_similarity_falls_by_a_quarter_of_its_height() -> None:
     similarity = np.concatenate([np.linspace(0, 1, 50), np.linspace(1, 0, 50)])
     start, end = grow(similarity, 0.0, FPS, 45, 55)

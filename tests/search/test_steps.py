@@ -11,7 +11,7 @@ from encoders.errors import QueryError
 from search.chains import best_chain, candidates, sharpen_chain
 from search.question import Question
 from search.spans import iou
-from search.steps import GAP_COST, in_order, split
+from search.steps import GAP_COST, LARGEST_GAP_COST, in_order, split
 from tests.search.fakes import FPS, MeanEncoder, query, take
 
 
@@ -56,8 +56,9 @@ def test_the_chain_is_the_best_of_all_that_keep_the_order() -> None:
     scores = rng.normal(size=(3, 24))
 
     def value(chain: tuple[int, ...]) -> float:
-        gaps = sum(starts[b] - ends[a] for a, b in itertools.pairwise(chain))
-        return sum(scores[step, i] for step, i in enumerate(chain)) - GAP_COST * gaps
+        gaps = (starts[b] - ends[a] for a, b in itertools.pairwise(chain))
+        cost = sum(min(GAP_COST * gap, LARGEST_GAP_COST) for gap in gaps)
+        return float(sum(scores[step, i] for step, i in enumerate(chain)) - cost)
 
     legal = [
         chain
