@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from encoders.bundle import Bundle
 from encoders.corpus.made import Made, true_of
+from encoders.corpus.real import CaptionedTake
 from search import strength
 from search.query import encode_queries
 
@@ -16,7 +17,11 @@ _HITS = 10
 
 
 def calibrate(
-    bundle: Bundle, background: Sequence[Made], asked: Sequence[Made], unrelated: Sequence[str]
+    bundle: Bundle,
+    background: Sequence[Made],
+    asked: Sequence[Made],
+    unrelated: Sequence[str],
+    takes: Sequence[CaptionedTake] = (),
 ) -> dict[str, NDArray[np.generic]]:
     """The arrays of `calibration.npz`.
 
@@ -25,6 +30,8 @@ def calibrate(
     background : made clips whose vectors stand for "any motion"
     asked : other made clips: their sentences are asked, their motions searched
     unrelated : sentences that no motion fits
+    takes : real takes for validation, whose descriptions and captions are asked as well; they count as much as the
+        made clips do
 
     Returns
     -------
@@ -41,6 +48,11 @@ def calibrate(
         np.concatenate([true_of(asked), np.zeros((len(nothing), len(gallery)), bool)]),
         motions,
     )
+    if takes:
+        real_evidence, real_truth = _described(bundle, takes, motions)
+        copies = max(1, len(truth) // len(real_truth))
+        evidence = np.concatenate([evidence, *[real_evidence] * copies])
+        truth = np.concatenate([truth, *[real_truth] * copies])
     actions = [frozenset(step.action for group in clip.scene.steps for step in group) for clip in asked]
     alike = np.array([[a == b for b in actions] for a in actions])
     near, same = _top_hits(gallery, gallery, alike, motions, skip_self=True)
@@ -49,6 +61,18 @@ def calibrate(
         "sentence_coefficients": strength.fit(evidence, truth),
         "motion_coefficients": strength.fit(near, same),
     }
+
+
+def _described(
+    bundle: Bundle, takes: Sequence[CaptionedTake], background: NDArray[np.float16]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Evidence and rightness of the first hits of what was said of real takes; right is what is described the same."""
+    said = [(text, t.description) for t in takes for s in t.spans for text in (t.description, *s.captions)]
+    said = list(dict.fromkeys(said))
+    gallery = bundle.encode_motions([take.motion for take in takes])
+    descriptions = np.array([take.description for take in takes])
+    right = np.array([descriptions == description for _, description in said])
+    return _top_hits(encode_queries(bundle, [text for text, _ in said]), gallery, right, background)
 
 
 def _top_hits(

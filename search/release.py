@@ -12,6 +12,7 @@ import torch
 
 from encoders.bundle import Bundle
 from encoders.corpus.made import Made, made_clips
+from encoders.corpus.real import CaptionedTake
 from encoders.corpus.seeds import CALIBRATION
 from encoders.kinds import FEATURE_KINDS
 from encoders.tmr.export import export_bundle
@@ -25,7 +26,13 @@ _BACKGROUND, _ASKED, _UNRELATED = 1500, 800, 400
 
 
 def release(
-    run: Path, folder: Path, *, name: str, kind: str = "body", training: Mapping[str, Any] | None = None
+    run: Path,
+    folder: Path,
+    *,
+    name: str,
+    kind: str = "body",
+    training: Mapping[str, Any] | None = None,
+    takes: Sequence[CaptionedTake] = (),
 ) -> Bundle:
     """Export the averaged weights of a run, calibrate them on made clips nobody trained on, and write the bundle.
 
@@ -35,6 +42,8 @@ def release(
         With recipe.json, last.pt and normaliser.npz.
     folder : Path
         The bundle; one that is there is replaced when the new one is whole.
+    takes : sequence of CaptionedTake
+        Real takes for validation, to calibrate on beside made clips.
     training : mapping
         What the manifest says of the training, beside the recipe's main numbers.
     """
@@ -62,9 +71,8 @@ def release(
         return Bundle.load(folder)
 
     clips = calibration_clips(kind)
-    return export(
-        calibrate(export(None), clips[:_BACKGROUND], clips[_BACKGROUND:], unrelated_sentences(_UNRELATED, seed=1))
-    )
+    unrelated = unrelated_sentences(_UNRELATED, seed=1)
+    return export(calibrate(export(None), clips[:_BACKGROUND], clips[_BACKGROUND:], unrelated, takes))
 
 
 def calibration_clips(kind: str) -> Sequence[Made]:
