@@ -4,8 +4,9 @@
 
 The library is simulated: every clip is a real one of LIBRARY, its vectors moved a little, so that the windows a clip
 has, and how alike they are, are real. Sentences are drawn by Zipf's law, as people ask: few of them often, most of them
-once. Searches begin at random (Poisson) and are timed from when they should have begun, so a server that stalls is not
-spared those that would have come meanwhile. `--rate 0` asks as fast as answers come.
+once, of some four thousand in all; `--before` searches have been asked already. Searches begin at random (Poisson) and
+are timed from when they should have begun, so a server that stalls is not spared those that would have come meanwhile.
+`--rate 0` asks as fast as answers come.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from urllib.parse import quote
 
 import numpy as np
 
-from encoders.bundle import Bundle
+from encoders import bundle as bundles
 from indexer import schema
 from indexer.gallery import CLIPS, WINDOWS
 from indexer.library import FILE, Library
@@ -42,7 +43,6 @@ MANNERS = (
 _BATCH = 2000
 _CONNECTIONS = 64
 _CAPTIONED = 0.3
-_COMMAND = (sys.executable, "-c", "from search.cli import main; main()")
 
 
 def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0) -> None:
@@ -179,9 +179,16 @@ def recall(folder: Path, sentences: list[str], k: int = 10) -> float:
     return float(np.mean([len(a & b) / len(b) for a, b in zip(given, exact, strict=True)]))
 
 
+def command(*arguments: object) -> subprocess.Popen[bytes]:
+    """Run `motionseek` with this process's model."""
+    program = f"import encoders.bundle, pathlib; encoders.bundle.DEFAULT = pathlib.Path({str(bundles.DEFAULT)!r}); "
+    program += "from search.cli import main; main()"
+    return subprocess.Popen([sys.executable, "-c", program, *map(str, arguments)], stdout=subprocess.DEVNULL)
+
+
 def serve(folder: Path, port: int) -> subprocess.Popen[bytes]:
     """Start a server and wait until it answers."""
-    process = subprocess.Popen([*_COMMAND, "serve", str(folder), "--port", str(port)])
+    process = command("serve", folder, "--port", port)
     while process.poll() is None:
         try:
             urllib.request.urlopen(f"http://127.0.0.1:{port}/healthz", timeout=5).close()
@@ -191,13 +198,18 @@ def serve(folder: Path, port: int) -> subprocess.Popen[bytes]:
     raise SystemExit("the server did not start")
 
 
-def report(found: Timed, before: Usage, after: Usage, sentences: list[str]) -> None:
+def new_share(sentences: list[str], earlier: list[str]) -> float:
+    """Share of the searches whose sentence nobody had asked before."""
+    return len(set(sentences) - set(earlier)) / len(sentences)
+
+
+def report(found: Timed, before: Usage, after: Usage, new: float) -> None:
     """Print the figures."""
     ms = np.array(found.seconds) * 1e3
     answered = len(ms)
     print(
         f"{answered} searches in {found.took:.1f} s: {answered / found.took:.0f} a second, "
-        f"{1 - len(set(sentences)) / len(sentences):.0%} of the sentences asked before"
+        f"{new:.1%} of them sentences that nobody had asked before"
     )
     print(
         "latency ms: " + ", ".join(f"p{p} {np.percentile(ms, p):.1f}" for p in (50, 95, 99)) + f", max {ms.max():.0f}"
@@ -217,7 +229,10 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=1 / 3)
     parser.add_argument("--port", type=int, default=8765)
     parser.add_argument("--while-indexing", type=Path, help="index this folder into the library meanwhile")
+    parser.add_argument("--bundle", type=Path, default=bundles.DEFAULT, help="the model of both libraries")
+    parser.add_argument("--before", type=int, default=4000, help="searches that were asked before")
     given = parser.parse_args()
+    bundles.DEFAULT = given.bundle.resolve()
     if not (given.library / FILE).exists():
         began = time.perf_counter()
         simulate(given.library, given.around, given.clips, given.noise)
@@ -231,14 +246,14 @@ def main() -> None:
     server = serve(given.library, given.port)
     indexing = None
     try:
-        asyncio.run(load(given.port, asked(200, 5), given.rate))
+        earlier = asked(given.before, 5)
+        asyncio.run(load(given.port, earlier, 0))
         if given.while_indexing:
-            command = ["index", str(given.while_indexing), "--library", str(given.library), "--jobs", "1"]
-            indexing = subprocess.Popen([*_COMMAND, *command], stdout=subprocess.DEVNULL)
+            indexing = command("index", given.while_indexing, "--library", given.library, "--jobs", 1)
         sentences = asked(round((given.rate or 300) * 60 * given.minutes), 4)
         before = Usage.of(server.pid)
         found = asyncio.run(load(given.port, sentences, given.rate))
-        report(found, before, Usage.of(server.pid), sentences)
+        report(found, before, Usage.of(server.pid), new_share(sentences, earlier))
     finally:
         for process in filter(None, (indexing, server)):
             process.send_signal(signal.SIGINT)
@@ -246,5 +261,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    Bundle.load()
     main()
