@@ -158,6 +158,7 @@ export class Plane {
     addEventListener("pointermove", (event) => {
       const at = this.#at(event);
       if (!this.lasso.length && Math.hypot(at[0] - x, at[1] - y) < 6) return;
+      if (!this.lasso.length) this.lasso.push([x, y]);
       this.lasso.push(at);
       this.#hover(-1);
       this.draw();
