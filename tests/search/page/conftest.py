@@ -14,9 +14,10 @@ from typing import Any
 import pytest
 
 pytest.importorskip("fastapi")
-playwright = pytest.importorskip("playwright.sync_api")
+pytest.importorskip("playwright.sync_api")
 
 import uvicorn
+from playwright.sync_api import sync_playwright
 
 from encoders.bundle import Bundle
 from search.server.app import create_app
@@ -35,7 +36,7 @@ def chromium() -> Iterator[Any]:
     program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
     if program is None:
         pytest.skip("no Chromium is installed")
-    with playwright.sync_playwright() as driver:
+    with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=program, headless=True, args=_FLAGS)
         yield browser
         browser.close()
@@ -76,7 +77,7 @@ Opened = Callable[..., Any]
 
 @pytest.fixture
 def opened(chromium: Any, address: str) -> Iterator[Opened]:
-    """Opens the page at what follows its `#`; in the end nothing may have gone wrong in it, and nothing left the server."""
+    """Opens the page at what follows its `#`; in the end it may have had no error and asked no other server."""
     faults: list[str] = []
     contexts = []
 

@@ -286,7 +286,7 @@ def test_picture_for_the_readme(opened, chromium):
     """Writes the picture to $MOTIONSEEK_PICTURE, of the server at $MOTIONSEEK_ADDRESS where one is named."""
     at = {"at": os.environ["MOTIONSEEK_ADDRESS"]} if "MOTIONSEEK_ADDRESS" in os.environ else {}
     page = opened(os.environ.get("MOTIONSEEK_VIEW", "q=a+person+kicks+a+ball"), size=(1360, 850), **at)
-    _until(page, "![...document.querySelectorAll('.stage.loading')].some(x => x.getBoundingClientRect().top < innerHeight)")  # fmt: skip
+    page.wait_for_selector("#grid li:nth-child(12) .stage:not(.loading)", state="attached")
     page.wait_for_timeout(1500)
     target = Path(os.environ["MOTIONSEEK_PICTURE"])
     page.screenshot(path=target)
