@@ -22,7 +22,19 @@ def candidates(encoder: Encoder, features: Vectors, fps: float, queries: Vectors
     """Windows of a take from which steps are chosen, compared with the steps' queries (S, D)."""
     frames = len(features)
     sizes = [size for size in (round(seconds * fps) for seconds in _LENGTHS) if size <= frames] or [frames]
-    return join([score_windows(encoder, features, fps, every(frames, size, _STRIDE), size, queries) for size in sizes])
+    scored = [score_windows(encoder, features, fps, every(frames, size, _STRIDE), size, queries) for size in sizes]
+    return join([*scored, *_longer(scored[-1])])
+
+
+def _longer(windows: Scored) -> list[Scored]:
+    """Spans of one and a half and of two windows, longer than the model takes in whole: the mean of both windows."""
+    found = []
+    for shift in (0.5, 1.0):
+        later = np.searchsorted(windows.starts, windows.starts + shift * windows.lengths - 1e-6)
+        fits = later < len(windows.starts)
+        scores = np.asarray(windows.scores[:, fits] + windows.scores[:, later[fits]], np.float32) / 2
+        found.append(Scored(windows.starts[fits], windows.ends[later[fits]], scores))
+    return found
 
 
 def best_chain(windows: Scored) -> list[Moment]:

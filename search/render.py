@@ -28,24 +28,30 @@ _BONE_COLOURS = [
     _LEFT if name.startswith("left") else _RIGHT if name.startswith("right") else _INK for name in JOINTS[1:]
 ]
 _VIEW = np.deg2rad(35)  # seen from the front, a third to the side
-_POSES = 9
+_POSES, _SPACING = 9, 1.35
 
 
-def plot_poses(path: Path, rows: Sequence[tuple[str, Motion]], title: str = "") -> None:
+def plot_poses(path: Path, groups: Sequence[tuple[str, Sequence[tuple[str, Motion]]]]) -> None:
     """Draw motions as a PNG, each a strip of poses from its start to its end.
 
     Parameters
     ----------
-    rows : sequence of (label, Motion)
+    groups : sequence of (heading, sequence of (label, Motion))
     """
-    figure = _figure(11, 0.5 + 1.55 * max(len(rows), 1))
+    rows = [(heading if i == 0 else "", *row) for heading, part in groups for i, row in enumerate(part)]
+    figure = _figure(7.8, 1.45 * max(len(rows), 1) + 0.3 * len(groups))
     axes = figure.subplots(max(len(rows), 1), 1, squeeze=False)[:, 0]
-    for ax, (label, motion) in zip(axes, rows, strict=False):
-        times = np.linspace(0, motion.duration, _POSES)
-        _poses(ax, motion, times, np.arange(_POSES) * 1.15)
-        ax.set_xlim(-0.75, (_POSES - 1) * 1.15 + 0.75)
-        ax.set_title(label, fontsize=8.5, color=_INK, loc="left", pad=2)
-    figure.suptitle(title, fontsize=12, color=_INK, x=0.01, ha="left")
+    for ax, (heading, label, motion) in zip(axes, rows, strict=False):
+        places = np.arange(_POSES) * _SPACING
+        _poses(ax, motion, np.linspace(0, motion.duration, _POSES), places)
+        ax.set_xlim(-_SPACING / 2, places[-1] + _SPACING / 2)
+        ax.set_anchor("W")
+        ax.set_title(label, fontsize=8.5, color=_PALE, loc="left", pad=2)
+        if heading:
+            ax.set_title(heading + "\n", fontsize=12, color=_INK, loc="left", pad=4)
+            ax.text(0, 1.02, label, fontsize=8.5, color=_PALE, transform=ax.transAxes)
+    if not rows:
+        axes[0].axis("off")
     _save(figure, path)
 
 
@@ -77,9 +83,8 @@ def plot_moments(
     ax.set_ylim(low - 0.22 * room, high + 0.22 * room)
     for i, (text, values) in enumerate(zip(question.sentences, similarity, strict=True)):
         ax.plot(times, values, color=_LINES[i % len(_LINES)], lw=1.3, label=f"“{text}”")
-    spans = [(s.start, s.end, str(i)) for h in found for i, s in enumerate(h.steps, start=1)]
-    for start, end, name in spans or [(h.start, h.end, f"{h.rank}") for h in found]:
-        ax.axvspan(start, end, color=_FOUND, alpha=0.45 if name == "1" or spans else 0.2, lw=0)
+    for start, end, name, colour, alpha in _marks(found):
+        ax.axvspan(start, end, color=colour, alpha=alpha, lw=0)
         ax.text((start + end) / 2, high + 0.1 * room, name, ha="center", va="bottom", fontsize=8, color=_INK)
     for caption in source.captions:
         if caption.start is not None and caption.end is not None:
@@ -92,6 +97,16 @@ def plot_moments(
     ax.spines[["top", "right"]].set_visible(False)
     ax.legend(loc="upper right", fontsize=8.5, frameon=False, ncols=min(len(question.sentences), 3))
     _save(figure, path)
+
+
+def _marks(found: Sequence[Hit]) -> list[tuple[float, float, str, str, float]]:
+    """Start, end, name, colour and opacity of each span: steps in the colours of their curves, hits by rank."""
+    steps = [
+        (step.start, step.end, str(i + 1), _LINES[i % len(_LINES)], 0.2)
+        for hit in found
+        for i, step in enumerate(hit.steps)
+    ]
+    return steps or [(h.start, h.end, str(h.rank), _FOUND, 0.45 if h.rank == 1 else 0.2) for h in found]
 
 
 def _figure(width: float, height: float) -> Figure:

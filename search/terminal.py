@@ -68,6 +68,8 @@ def hits(found: Sequence[Hit], query: str, *, as_json: bool) -> None:
         (str(h.rank), f"{h.score:.3f}", h.strength, f"{h.start:.1f}", f"{h.end:.1f}", h.path, h.caption) for h in found
     ]
     table(_HIT_COLUMNS, rows, right=("", "score", "start", "end"))
+    if found and all(hit.strength == "weak" for hit in found):
+        note("nothing here matches; these are the nearest")
 
 
 def note(line: str) -> None:

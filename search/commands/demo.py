@@ -67,7 +67,7 @@ def _ask(library: SearchableLibrary, questions: list[str], picture: Path, say: A
     from search import terminal
     from search.render import plot_poses
 
-    rows, answers = [], []
+    groups, answers = [], []
     for question in questions:
         found = library.search(question, 3)
         answers.append({"query": question, "hits": [hit.document() for hit in found]})
@@ -75,14 +75,15 @@ def _ask(library: SearchableLibrary, questions: list[str], picture: Path, say: A
         if say is print:
             terminal.hits(found, question, as_json=False)
             print()
-        rows += [(_label(question, hit), library.motion(hit.clip_id, hit.start, hit.end)) for hit in found]
-    plot_poses(picture, rows, "What the sentences found")
+        strips = [(_label(hit), library.motion(hit.clip_id, hit.start, hit.end)) for hit in found]
+        groups.append((f"“{question}”", strips))
+    plot_poses(picture, groups)
     say(f"The hits as poses: {picture}\n")
     return {"answers": answers, "hits_picture": str(picture)}
 
 
-def _label(question: str, hit: Hit) -> str:
-    return f"“{question}”  {hit.rank}.  {hit.path}  {hit.start:.1f}–{hit.end:.1f} s  {hit.score:.2f} {hit.strength}"
+def _label(hit: Hit) -> str:
+    return f"{hit.rank}.  {hit.path}  {hit.start:.1f}–{hit.end:.1f} s   {hit.score:.2f}  {hit.strength}"
 
 
 def _locate(library: SearchableLibrary, moment: dict[str, str], picture: Path, say: Any) -> dict[str, Any]:

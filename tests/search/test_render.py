@@ -21,7 +21,8 @@ def _colours(path: Path) -> int:
 
 
 def test_a_strip_of_poses(tmp_path: Path) -> None:
-    plot_poses(tmp_path / "x.png", [("one", made_motion(3, 0)), ("two $x_1$", made_motion(1, 2))], "Hits")
+    strips = [("one", made_motion(3, 0)), ("two $x_1$", made_motion(1, 2))]
+    plot_poses(tmp_path / "x.png", [("“kicks”", strips), ("nothing", []), ("again", strips[:1])])
     assert _colours(tmp_path / "x.png") > 50
 
 
