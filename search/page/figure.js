@@ -115,10 +115,19 @@ export class Figure {
   /** Take the pose of a motion at a second. @param {import("./motion.js").Motion} motion @param {number} time */
   take(motion, time) {
     motion.sample(time, this.pose);
-    BONES.forEach(([from, to, near, far, , beyond], i) => {
-      this.a.array.set([...this.#joint(from), near], 4 * i);
-      this.b.array.set([...(to < 0 ? this.#beyond(from, -to, beyond ?? 0) : this.#joint(to)), far], 4 * i);
-    });
+    // Numbers are written in place: this runs for every bone of every figure in every frame.
+    const [a, b] = [this.a.array, this.b.array];
+    for (let i = 0; i < BONES.length; i++) {
+      const [from, to, near, far, , beyond = 0] = BONES[i];
+      const tip = to < 0 ? from : to;
+      const reach = to < 0 ? beyond / this.#length(from, -to) : 0;
+      for (let axis = 0; axis < 3; axis++) {
+        a[4 * i + axis] = this.pose[3 * from + axis];
+        b[4 * i + axis] = this.pose[3 * tip + axis] + (to < 0 ? reach * (this.pose[3 * from + axis] - this.pose[3 * -to + axis]) : 0);
+      }
+      a[4 * i + 3] = near;
+      b[4 * i + 3] = far;
+    }
     this.a.needsUpdate = this.b.needsUpdate = true;
     if (this.trail.visible) this.#takeTrail(motion, time);
   }
@@ -133,15 +142,10 @@ export class Figure {
     for (const part of this.meshes.slice(1)) part.geometry.dispose();
   }
 
-  #joint(joint) {
-    return this.pose.subarray(3 * joint, 3 * joint + 3);
-  }
-
-  /** @param {number} joint @param {number} before @param {number} metres */
-  #beyond(joint, before, metres) {
-    const [at, from] = [this.#joint(joint), this.#joint(before)];
-    const length = Math.hypot(at[0] - from[0], at[1] - from[1], at[2] - from[2]) || 1;
-    return [0, 1, 2].map((axis) => at[axis] + ((at[axis] - from[axis]) / length) * metres);
+  /** From joint to joint, metres; never 0. @param {number} from @param {number} to */
+  #length(from, to) {
+    const { pose } = this;
+    return Math.hypot(pose[3 * from] - pose[3 * to], pose[3 * from + 1] - pose[3 * to + 1], pose[3 * from + 2] - pose[3 * to + 2]) || 1;
   }
 
   /** @param {import("./motion.js").Motion} motion @param {number} time */
