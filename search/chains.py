@@ -32,7 +32,7 @@ def _longer(windows: Scored) -> list[Scored]:
     for shift in (0.5, 1.0):
         later = np.searchsorted(windows.starts, windows.starts + shift * windows.lengths - 1e-6)
         fits = later < len(windows.starts)
-        scores = np.asarray(windows.scores[:, fits] + windows.scores[:, later[fits]], np.float32) / 2
+        scores = np.float32(0.5) * (windows.scores[:, fits] + windows.scores[:, later[fits]])
         found.append(Scored(windows.starts[fits], windows.ends[later[fits]], scores))
     return found
 
