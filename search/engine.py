@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from os import PathLike
 from typing import Any, TypeAlias
 
@@ -17,6 +18,7 @@ from search.dense import Vectors
 from search.evidence import Evidence, best_evidence, best_spans, likeliest
 from search.filters import Filters
 from search.hits import Hit, Step
+from search.likeness import LONGEST, LOOKED_AT, likeness
 from search.moments import OVERLAP, Moment, overlap, sharpen, usual_level
 from search.question import Question
 from search.source import Source, find_clip, find_source
@@ -109,14 +111,29 @@ class SearchableLibrary(Library):
             If the cut lies outside the motion.
         """
         source = self.source(ref)
-        vector = self.bundle.encode_motions([source.cut(start, end)])[0]
+        motion = source.cut(start, end)
+        vector = self.bundle.encode_motions([motion])[0]
         allowed = self.allowed(**filters)
         if source.clip_id >= 0:
             allowed = np.setdiff1d(self.ids() if allowed is None else allowed, [source.clip_id])
         is_cut = start is not None or end is not None
         if moments:
             return self._moment_hits(Question((source.path,)), vector[None], k, allowed, asked="motion")
-        return self._clip_hits(vector, k, allowed, asked="motion", windows=is_cut)
+        if is_cut:
+            return self._clip_hits(vector, k, allowed, asked="motion")
+        evidence = best_evidence(self, vector, max(k, LOOKED_AT), allowed=allowed, windows=False)
+        return self._hits(vector, self._alike_first(motion, evidence)[:k], asked="motion")
+
+    def _alike_first(self, motion: Motion, evidence: list[Evidence]) -> list[Evidence]:
+        """The clips nearest in meaning, those first that also move alike moment by moment; scores rise accordingly."""
+        clips = self.clips([e.clip_id for e in evidence])
+        near = [e for e in evidence[:LOOKED_AT] if clips[e.clip_id].duration <= LONGEST]
+        if not near or motion.duration > LONGEST:
+            return evidence
+        gains = likeness(self.bundle, motion, [self.motion(e.clip_id) for e in near])
+        gain = {e.clip_id: float(g) for e, g in zip(near, gains, strict=True)}
+        raised = [replace(e, score=min(1.0, e.score + gain.get(e.clip_id, 0.0))) for e in evidence]
+        return sorted(raised, key=lambda e: -e.score)
 
     def source(self, ref: Ref) -> Source:
         """What a reference names.
@@ -149,7 +166,9 @@ class SearchableLibrary(Library):
         return self.ids(condition, values) if condition else None
 
     def _clip_hits(self, query: Vectors, k: int, allowed: Ids | None, *, asked: str, windows: bool = True) -> list[Hit]:
-        evidence = best_evidence(self, query, k, allowed=allowed, windows=windows)
+        return self._hits(query, best_evidence(self, query, k, allowed=allowed, windows=windows), asked=asked)
+
+    def _hits(self, query: Vectors, evidence: list[Evidence], *, asked: str) -> list[Hit]:
         strengths = judge(self.bundle, query, [e.score for e in evidence], asked=asked)
         clips = self.clips([e.clip_id for e in evidence])
         return [
