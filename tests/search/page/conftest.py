@@ -30,7 +30,8 @@ _FLAGS = (
 ).split()
 
 
-@pytest.fixture(scope="session")
+# For this module alone: while it is open, its event loop runs, and no other test could start one.
+@pytest.fixture(scope="module")
 def chromium() -> Iterator[Any]:
     """The browser."""
     program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -85,7 +86,7 @@ def opened(chromium: Any, address: str) -> Iterator[Opened]:
         context = chromium.new_context(
             viewport={"width": size[0], "height": size[1]}, **{"reduced_motion": "reduce", **options}
         )
-        context.set_default_timeout(int(os.environ.get("MOTIONSEEK_TEST_PATIENCE", "30")) * 1000)
+        context.set_default_timeout(int(os.environ.get("MOTIONSEEK_TEST_PATIENCE", "90")) * 1000)
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: faults.append(str(error)))

@@ -30,7 +30,7 @@ _PIXELS = """([left, top, width, height]) => new Promise((done) => requestAnimat
 
 def _until(page, condition):
     """Wait for a condition. `wait_for_function` would need `eval`, which the page forbids."""
-    for _ in range(300):
+    for _ in range(900):
         if page.evaluate(condition):
             return
         page.wait_for_timeout(100)
@@ -98,8 +98,11 @@ def test_figures_are_drawn_and_move(opened):
 def test_nothing_moves_by_itself_where_people_asked_for_less_motion(opened):
     page = opened()
     page.wait_for_selector("#grid li:first-child .stage:not(.loading)")
-    page.wait_for_timeout(500)
-    before = _drawn(page, ".card .stage")
+    for _ in range(100):
+        page.wait_for_timeout(300)
+        before = _drawn(page, ".card .stage")
+        if all(before):
+            break
     page.wait_for_timeout(500)
     assert _drawn(page, ".card .stage") == before
 
