@@ -3,7 +3,8 @@
     python -m benchmarks.library index FOLDER [--jobs N]      first run against second run
     python -m benchmarks.library search [--windows 10000 100000 1000000] [--size 256]
 
-Every figure stands beside the plain way, measured in the same run: a numpy scan of float32 vectors.
+Every figure stands beside the plain way, measured in the same run: a numpy scan of float32 vectors. The vectors are
+random, the worst case for clusters: `benchmarks.serve` tells the recall for those of a model.
 """
 
 from __future__ import annotations

@@ -21,8 +21,8 @@ Found = tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32], NDArr
 #: Products of a query and a row from which on threads are worth their start.
 _WORTH_THREADS = 1 << 22
 
-#: Rows from which on a main block is searched by clusters: exact search then costs more than 5 ms a query.
-CLUSTERED_FROM = 250_000
+#: Rows from which on a main block is searched by clusters: exact search then costs more than 2 ms a query.
+CLUSTERED_FROM = 80_000
 
 #: Share of rows that came or went since the main block was made, from which on a new one is made.
 _LOOSE = 0.05
