@@ -116,7 +116,7 @@ def test_a_single_query_is_not_slowed_by_threads():
 
     import faiss
 
-    many = rows(np.arange(100_000))
+    many = rows(np.arange(70_000))
     index = FlatVectors.of(1, many)
 
     def quickest(search):
