@@ -231,6 +231,7 @@ def main() -> None:
     parser.add_argument("--while-indexing", type=Path, help="index this folder into the library meanwhile")
     parser.add_argument("--bundle", type=Path, default=bundles.DEFAULT, help="the model of both libraries")
     parser.add_argument("--before", type=int, default=4000, help="searches that were asked before")
+    parser.add_argument("--recall", type=int, default=50, help="questions asked of an exact search too")
     given = parser.parse_args()
     bundles.DEFAULT = given.bundle.resolve()
     if not (given.library / FILE).exists():
@@ -242,7 +243,8 @@ def main() -> None:
         library.prepare()
         stats = library.stats()
     print(f"{stats['clips']} clips, {stats['windows']} windows; indexes ready in {time.perf_counter() - began:.0f} s")
-    print(f"recall of the exact ten: {recall(given.library, all_sentences()[:50]):.3f}")
+    if given.recall:
+        print(f"recall of the exact ten: {recall(given.library, all_sentences()[: given.recall]):.3f}")
     server = serve(given.library, given.port)
     indexing = None
     try:

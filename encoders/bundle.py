@@ -29,7 +29,8 @@ DEFAULT = Path(__file__).parent / "bundles" / "default"
 #: Frames and tokens a batch holds: enough for full matrix products, little enough to stay in the cores' caches.
 _FRAMES_A_BATCH = 512
 _TOKENS_A_BATCH = 512
-_SENTENCES_KEPT = 256
+#: A vocabulary to describe with, and what was asked lately in all its wordings: 4 MB.
+_SENTENCES_KEPT = 4096
 
 
 class Bundle:
