@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
@@ -197,6 +198,8 @@ class Bundle:
 
 def open_session(path: Path, threads: int | None = None) -> InferenceSession:
     """An onnxruntime session on the CPU; weights stored small are turned to floating point here, once."""
+    # Nothing leaves this machine: onnxruntime would report its use unless told so before it is loaded.
+    os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
     import onnxruntime
 
     options = onnxruntime.SessionOptions()

@@ -37,6 +37,8 @@ def export(
         raise click.UsageError(f"{out}: can write {', '.join(WRITERS)}")
     options.refuse_overwriting(out, force)
     with options.open_source(ref, folder) as (_, source, _library):
+        if source.file is not None and out.exists() and out.samefile(source.file):
+            raise click.UsageError(f"{out} is the clip itself; name another file, its source would be lost")
         frames, fps = write_cut(source, out, start, end)
     if as_json:
         terminal.document({"path": str(out), "source": source.path, "frames": frames, "fps": round(fps, 4)})
