@@ -15,7 +15,8 @@ from search import bvh
 from tests.search.conftest import made_motion
 from tests.search.page.conftest import serving
 
-pytestmark = pytest.mark.slow
+# A browser without a graphics card on a busy machine misses a frame now and then: a test that fails is tried again.
+pytestmark = [pytest.mark.slow, pytest.mark.flaky(reruns=2)]
 
 _CARDS = "#grid .card"
 _PIXELS = """([left, top, width, height]) => new Promise((done) => requestAnimationFrame(() => {
@@ -176,7 +177,7 @@ def test_a_dropped_file_is_described_and_finds_what_is_like_it(opened, tmp_path)
     assert _state(page)["clip"].startswith("u")
     page.keyboard.press("s")
     page.wait_for_selector(_CARDS)
-    assert "Moves like" in page.locator("#status").inner_text()
+    _until(page, "document.querySelector('#status').innerText.includes('Moves like')")
 
 
 def test_a_file_that_is_no_motion_is_refused_in_words(opened):
