@@ -15,9 +15,6 @@ from typing import Generic, TypeVar
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
-#: Of a batch; more would make the first wait long for the last.
-_LARGEST = 32
-
 
 class Overloaded(Exception):
     """More questions wait than can be answered in good time."""
@@ -32,6 +29,8 @@ class Batcher(Generic[Item, Answer]):
         A batch -> an answer, or an exception, for each item.
     workers : int
         Threads.
+    largest : int
+        Questions of a batch; the more, the longer the first waits for the last.
     most_waiting : int
         Questions that may wait before more are refused.
     """
@@ -41,9 +40,11 @@ class Batcher(Generic[Item, Answer]):
         answer: Callable[[Sequence[Item]], Sequence[Answer | Exception]],
         *,
         workers: int = 1,
+        largest: int = 8,
         most_waiting: int = 512,
     ) -> None:
         self._answer = answer
+        self._largest = largest
         self._most_waiting = most_waiting
         self._waiting: queue.SimpleQueue[tuple[Item, asyncio.Future[Answer]] | None] = queue.SimpleQueue()
         self._workers = [threading.Thread(target=self._work, daemon=True, name="answering") for _ in range(workers)]
@@ -84,7 +85,7 @@ class Batcher(Generic[Item, Answer]):
     def _next(self) -> tuple[list[tuple[Item, asyncio.Future[Answer]]], bool]:
         """All that waits, once something does; and whether to go on."""
         taken = [self._waiting.get()]
-        while taken[-1] is not None and len(taken) < _LARGEST:
+        while taken[-1] is not None and len(taken) < self._largest:
             try:
                 taken.append(self._waiting.get_nowait())
             except queue.Empty:

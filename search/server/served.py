@@ -157,8 +157,17 @@ class ServedLibrary(SearchableLibrary):
         """See `SearchableLibrary.source`; a source is itself."""
         return ref if isinstance(ref, Source) else super().source(ref)
 
+    def knows(self, sentence: str) -> bool:
+        """Whether a sentence's query vector is at hand."""
+        return self._held_queries.get(sentence) is not None
+
+    def encode_all(self, sentences: Sequence[str]) -> list[Vectors]:
+        """Query vectors (D,) of sentences, encoded together and remembered."""
+        vectors = self._encoded(set(sentences))
+        return [vectors[sentence] for sentence in sentences]
+
     def search_all(self, questions: Sequence[Search]) -> list[list[Hit] | Exception]:
-        """Answer many questions, their sentences encoded together; an answer is what `search` gives or raises."""
+        """Answer many questions; an answer is what `search` gives or raises."""
         answers: list[list[Hit] | Exception] = [self._askable(question) or [] for question in questions]
         sound = [i for i, answer in enumerate(answers) if not isinstance(answer, Exception)]
         vectors = self._encoded({questions[i].text for i in sound})

@@ -7,10 +7,13 @@ from collections.abc import Callable, Hashable, Sequence
 from typing import TypeVar
 
 import anyio
+import numpy as np
 from anyio.to_thread import run_sync
+from numpy.typing import NDArray
 
 from indexer.clips import Clip
 from search.hits import Hit
+from search.question import Question
 from search.server.batching import Batcher, Overloaded
 from search.server.cache import Cache
 from search.server.errors import Refused
@@ -21,7 +24,7 @@ from search.source import Source
 
 Value = TypeVar("Value")
 
-#: Threads that answer searches: one computes vectors while another asks the database.
+#: Threads that compare vectors.
 _SEARCHERS = 2
 #: Long questions answered at once, and waiting.
 _AT_ONCE, _WAITING = 2, 64
@@ -35,14 +38,34 @@ class State:
         self.library = library
         self.uploads = Uploads(limits)
         self.metrics = Metrics()
-        self.searches: Batcher[Search, list[Hit]] = Batcher(library.search_all, workers=_SEARCHERS)
+        self.sentences: Batcher[str, NDArray[np.float32]] = Batcher(library.encode_all)
+        self.searches: Batcher[Search, list[Hit]] = Batcher(library.search_all, workers=_SEARCHERS, largest=2)
         self.answers: Cache[bytes] = Cache(_REMEMBERED)
         self._room = anyio.CapacityLimiter(_AT_ONCE)
 
     def close(self) -> None:
         """Let go of threads and files."""
+        self.sentences.close()
         self.searches.close()
         self.library.close()
+
+    async def search(self, question: Search) -> list[Hit]:
+        """The answer to a search.
+
+        Sentences that nobody has asked before are encoded together, apart from the searches: encoding takes ten times
+        as long, and whoever asks what is known need not wait for it.
+
+        Raises
+        ------
+        QueryError
+            If the sentence is empty or a filter makes no sense.
+        Overloaded
+            If too many wait already.
+        """
+        Question.of(question.text, split_steps=False)
+        if not self.library.knows(question.text):
+            await self.sentences.ask(question.text)
+        return await self.searches.ask(question)
 
     async def at_length(self, work: Callable[[], Value]) -> Value:
         """The result of work that takes a while, done in a thread, only a few at once.

@@ -23,13 +23,13 @@ def routes(state: State) -> APIRouter:
     @router.get("/metrics", responses={200: {"content": {"text/plain": {"schema": {"type": "string"}}}}})
     async def numbers() -> Response:
         """Counts and times in Prometheus's text format."""
-        snapshot, searches = state.library.snapshot, state.searches
+        snapshot, sentences = state.library.snapshot, state.sentences
         gauges = {
             "motionseek_clips": ("gauge", "Clips that can be found.", snapshot.count),
             "motionseek_generation": ("gauge", "State of the library that is answered from.", snapshot.generation),
             "motionseek_requests_in_flight": ("gauge", "Requests being answered.", state.metrics.in_flight),
-            "motionseek_search_batches_total": ("counter", "Batches of searches.", searches.batches),
-            "motionseek_batched_searches_total": ("counter", "Searches in them.", searches.items),
+            "motionseek_sentence_batches_total": ("counter", "Batches of new sentences.", sentences.batches),
+            "motionseek_sentences_total": ("counter", "New sentences encoded.", sentences.items),
             "motionseek_uploads_refused_total": ("counter", "Uploads refused.", state.uploads.refused),
             "motionseek_resident_bytes": ("gauge", "Memory held.", metrics.resident_bytes()),
         }

@@ -37,7 +37,7 @@ def routes(state: State) -> APIRouter:
         key = (library.snapshot.generation, "search", q, k, offset, filters)
         document = state.answers.get(key)
         if document is None:
-            hits = (await state.searches.ask(Search(q, offset + k, filters)))[offset:]
+            hits = (await state.search(Search(q, offset + k, filters)))[offset:]
             document = _written({"query": q, "hits": documents.hits(hits)})
             state.answers.put(key, document)
         return encoded(document)
