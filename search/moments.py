@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from indexer import windows
 from search.dense import Encoder, Scored, Vectors, join, score_windows
-from search.refine import frame_curve, grow
+from search.refine import STRIDE, frame_curve, grow
 from search.spans import iou, suppress
 
 #: Answers overlap by at most this intersection over union.
@@ -134,9 +134,13 @@ def overlap(a: Moment, b: Moment) -> float:
 
 
 def stretch(region: Region, fps: float, start: float, end: float) -> tuple[Vectors, float]:
-    """The features of a take from `start` to `end`, in seconds, as far as it goes, and the second they begin at."""
+    """The features of a take from `start` to `end`, in seconds, as far as it goes, and the second they begin at.
+
+    They begin at a multiple of `STRIDE` frames of the take, so that a curve is the same wherever a stretch is cut.
+    """
     features, offset = region(start, end)
     first = min(max(round((start - offset) * fps), 0), len(features) - 1)
+    first -= min((round(offset * fps) + first) % STRIDE, first)
     last = min(max(round((end - offset) * fps), first + 1), len(features))
     return features[first:last], offset + first / fps
 

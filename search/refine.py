@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from search.dense import Encoder, Vectors, curve, every, score_windows
+from search.dense import Encoder, Vectors, curve, score_windows
 
 #: Lengths in seconds of the windows whose similarities are averaged at each instant, and frames from one to the next.
 CURVE_LENGTHS = (1.4, 2.0, 2.8)
@@ -28,7 +28,8 @@ def frame_curve(encoder: Encoder, features: Vectors, fps: float, queries: Vector
     curves = []
     for seconds in CURVE_LENGTHS:
         length = min(round(seconds * fps), frames)
-        windows = score_windows(encoder, features, fps, every(frames, length, STRIDE), length, queries)
+        starts = np.arange(0, frames - length + 1, STRIDE)
+        windows = score_windows(encoder, features, fps, starts, length, queries)
         curves.append(curve(windows, times))
     return np.asarray(np.mean(curves, axis=0), np.float32)
 

@@ -28,6 +28,8 @@ Found = tuple[Moment, tuple[Step, ...]]
 LONG = 300.0
 #: Seconds of motion read around a part of a long clip: what features see of a take beyond a window is slow.
 _ROOM = 8.0
+#: Parts of a long clip begin at multiples of so many seconds: their features are then those of the whole clip.
+_GRID = 1.0
 
 
 def moments_in(bundle: Bundle, source: Source, question: Question, k: int) -> list[Hit]:
@@ -68,7 +70,7 @@ def region_of(bundle: Bundle, source: Source) -> Region:
     if source.stored and source.duration > LONG:
 
         def part(start: float, end: float) -> tuple[Vectors, float]:
-            first = max(start - _ROOM, 0.0)
+            first = max(start - _ROOM, 0.0) // _GRID * _GRID
             return bundle.features(source.read(first, end + _ROOM)), first
 
         return part
