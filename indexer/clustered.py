@@ -2,7 +2,7 @@
 
 Exact search reads every vector, which at a million rows takes as long as memory takes to deliver half a gigabyte. Here
 a row is missed where its cluster is not among those looked at: of the ten best of 100,000 clips with 2.4 million
-windows of a trained model, 998 in 1,000 were found (`benchmarks/serve.py` measures it). Vectors without any clusters,
+windows of a trained model, 995 in 1,000 were found (`benchmarks/serve.py` measures it). Vectors without any clusters,
 random ones or those of an untrained model, are what it cannot do.
 """
 

@@ -1,0 +1,92 @@
+"""Evidence: a clip counts as much as its best window or its whole, and spans of one clip do not overlap."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from search.evidence import WINDOW_MARGIN, Evidence, best_evidence, best_spans, likeliest
+
+QUERY = np.array([1.0, 0.0], np.float32)
+
+
+def _unit(cosine: float) -> list[float]:
+    return [cosine, float(np.sqrt(1 - cosine**2))]
+
+
+class Gallery:
+    """A library of clips given as {id: whole} and windows as (clip, start, end, cosine)."""
+
+    def __init__(self, wholes: dict[int, float], windows: list[tuple[int, float, float, float]]) -> None:
+        self.wholes, self.rows = wholes, windows
+        self.most_asked = 0
+
+    def __len__(self) -> int:
+        return len(self.wholes)
+
+    def nearest_clips(self, queries: np.ndarray, k: int, *, allowed: Any = None) -> Any:
+        ids = [i for i in self.wholes if allowed is None or i in allowed]
+        return self._best(queries, k, [(i, self.wholes[i]) for i in ids])
+
+    def nearest_windows(self, queries: np.ndarray, k: int, *, allowed: Any = None) -> Any:
+        self.most_asked = max(self.most_asked, k)
+        rows = [r for r in self.rows if allowed is None or r[0] in allowed]
+        scores, order = self._best(queries, k, [(n, r[3]) for n, r in enumerate(rows)])
+        columns = np.array([(r[0], r[1], r[2]) for r in rows] + [(-1, 0, 0)], float)[order]
+        return scores, columns[..., 0].astype(int), columns[..., 1], columns[..., 2]
+
+    @staticmethod
+    def _best(queries: np.ndarray, k: int, named: list[tuple[int, float]]) -> tuple[np.ndarray, np.ndarray]:
+        vectors = np.array([_unit(cosine) for _, cosine in named]).reshape(-1, 2)
+        scores = queries @ vectors.T
+        order = np.argsort(-scores, axis=1)[:, :k]
+        missing = ((0, 0), (0, max(k - order.shape[1], 0)))
+        best = np.pad(np.take_along_axis(scores, order, axis=1), missing, constant_values=-np.inf)
+        return best, np.pad(np.array([i for i, _ in named])[order], missing, constant_values=-1)
+
+
+def _ask(gallery: Gallery, k: int, **more: Any) -> list[Evidence]:
+    return best_evidence(gallery, QUERY, k, **more)  # type: ignore[arg-type]
+
+
+def test_a_short_action_in_a_long_clip_is_found_and_named() -> None:
+    gallery = Gallery({1: 0.5, 2: 0.2}, [(1, 0, 2, 0.5), (2, 30, 32, 0.9)])
+    first, second = _ask(gallery, 2)
+    assert (first.clip_id, first.start, first.end) == (2, 30, 32)
+    assert (second.clip_id, second.start) == (1, None)
+
+
+def test_a_window_that_is_hardly_better_does_not_speak_for_the_clip() -> None:
+    gallery = Gallery({1: 0.5}, [(1, 0, 2, 0.5 + WINDOW_MARGIN / 2)])
+    assert _ask(gallery, 1) == [Evidence(1, pytest.approx(0.5))]
+
+
+def test_one_clip_with_many_windows_does_not_keep_others_out() -> None:
+    crowd = [(1, i * 0.1, i * 0.1 + 2, 0.9) for i in range(500)]
+    gallery = Gallery({1: 0.1, 2: 0.1, 3: 0.1}, [*crowd, (2, 0, 2, 0.5), (3, 0, 2, 0.4)])
+    assert [e.clip_id for e in _ask(gallery, 3)] == [1, 2, 3]
+
+
+def test_only_allowed_clips_answer() -> None:
+    gallery = Gallery({1: 0.9, 2: 0.5}, [(1, 0, 2, 0.9), (2, 0, 2, 0.4)])
+    assert [e.clip_id for e in _ask(gallery, 5, allowed=np.array([2]))] == [2]
+    assert _ask(gallery, 5, allowed=np.array([], np.int64)) == []
+
+
+def test_an_empty_library_and_more_asked_than_there_is() -> None:
+    assert _ask(Gallery({}, []), 5) == []
+    assert len(_ask(Gallery({1: 0.9}, [(1, 0, 2, 0.8)]), 100)) == 1
+
+
+def test_spans_of_one_clip_do_not_overlap_and_those_of_others_may() -> None:
+    gallery = Gallery({1: 0, 2: 0}, [(1, 0, 2, 0.9), (1, 0.5, 2.5, 0.8), (1, 10, 12, 0.7), (2, 0.5, 2.5, 0.6)])
+    found = best_spans(gallery, QUERY, 5)  # type: ignore[arg-type]
+    assert [(e.clip_id, e.start) for e in found] == [(1, 0), (1, 10), (2, 0.5)]
+
+
+def test_the_clips_most_likely_to_answer_several_sentences() -> None:
+    both = np.array([[1, 0], [0, 1]], np.float32)
+    rows = [(1, 0, 2, 0.99), (2, 0, 2, 0.05), (3, 0, 2, 0.75)]
+    assert likeliest(Gallery({1: 0, 2: 0, 3: 0}, rows), both, 1) == [3]  # type: ignore[arg-type]
