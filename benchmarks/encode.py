@@ -27,9 +27,10 @@ from torch import Tensor, nn
 from encoders.batching import pad
 from encoders.bundle import Bundle
 from encoders.kinds import FEATURE_KINDS
-from encoders.tmr.export import default_config, export_bundle
+from encoders.tmr.export import export_bundle
 from encoders.tmr.language import LanguageConfig, LanguageModel, LanguageNetwork
 from encoders.tmr.network import TMR, Config, Encoder, Tower, group_frames, positions, valid_mask
+from encoders.tmr.recipe import default_network
 
 Array = NDArray[np.float32]
 Encode = Callable[[Sequence[Array]], Array]
@@ -125,7 +126,7 @@ def main() -> None:
     print(f"{options.clips} clips of 2 to 10 s, {options.threads} threads, best of {options.rounds}")
     published = TMR(PUBLISHED).motion_encoder
     compare("published TMR", published, "humanml3d", **vars(options))
-    default = TMR(default_config(FEATURE_KINDS["body"].size, 384)).motion_encoder
+    default = TMR(default_network(FEATURE_KINDS["body"].size, 384)).motion_encoder
     compare("default bundle", default, "body", **vars(options))
 
 

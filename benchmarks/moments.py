@@ -46,8 +46,8 @@ def dense(seconds: float = 600.0, alone: int = 200) -> None:
     """Similarity over all of a 10-minute take, and the moments in it, against encoding every window alone in torch."""
     import torch
 
-    from encoders.tmr.export import default_config
     from encoders.tmr.network import TMR
+    from encoders.tmr.recipe import default_network
 
     torch.set_num_threads(1)
     bundle = Bundle.load(threads=1)
@@ -56,7 +56,7 @@ def dense(seconds: float = 600.0, alone: int = 200) -> None:
     queries = encode_queries(bundle, SENTENCES)
     lengths = sorted({round(length * bundle.fps) for length in (*CURVE_LENGTHS, *STORED)})
     windows = [(int(start), size) for size in lengths for start in every(len(features), size)]
-    network = TMR(default_config(features.shape[1], 384)).motion_encoder.eval()
+    network = TMR(default_network(features.shape[1], 384)).motion_encoder.eval()
     chosen = windows[:: max(1, len(windows) // alone)]
     began = time.perf_counter()
     with torch.inference_mode():

@@ -20,8 +20,8 @@ from encoders.tmr import losses
 from encoders.tmr.data import PairStore
 from encoders.tmr.language import LanguageModel
 from encoders.tmr.material import unrelated_sentences
+from encoders.tmr.recipe import Recipe
 from encoders.tmr.run import prepare, train
-from encoders.tmr.train import Recipe
 
 PLAIN = Recipe(
     weights=losses.Weights(),

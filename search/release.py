@@ -19,7 +19,7 @@ from encoders.tmr.export import export_bundle
 from encoders.tmr.language import LanguageModel
 from encoders.tmr.material import unrelated_sentences
 from encoders.tmr.network import TMR
-from encoders.tmr.train import Recipe
+from encoders.tmr.recipe import Recipe
 from search.calibrate import calibrate
 
 _BACKGROUND, _ASKED, _UNRELATED = 1500, 800, 400

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from encoders.tmr.data import PairStore
 from encoders.tmr.network import TMR
-from encoders.tmr.tokens import TokenTable, pad
-from encoders.tmr.train import Normaliser
+from encoders.tmr.normaliser import Normaliser
+from encoders.tmr.padding import pad
+from encoders.tmr.tokens import TokenTable
 
 
 def embed_motions(

@@ -15,14 +15,13 @@ from typing import Any, Literal
 
 import numpy as np
 import onnx
-import torch
 from numpy.typing import NDArray
 
 from encoders.kinds import FEATURE_KINDS
 from encoders.manifest import CALIBRATION, FORMAT, MANIFEST, MOTION, TEXT, TOKENIZER, digest
 from encoders.tmr.graph import motion_graph, text_graph
 from encoders.tmr.language import LanguageModel
-from encoders.tmr.network import TMR, Config, Encoder, Tower
+from encoders.tmr.network import Encoder
 
 
 def export_bundle(
@@ -87,33 +86,3 @@ def export_bundle(
             folder.rename(Path(temporary) / "old")
         shutil.move(new, folder)
     return folder
-
-
-def default_config(features: int, token_features: int) -> Config:
-    """The sizes of the default model: about a quarter of published TMR's, four frames a token."""
-    return Config(
-        motion=Tower(features=features, layers=3, feedforward=768, frames_per_token=4),
-        text=Tower(features=token_features, layers=2, feedforward=768),
-        decoder=Tower(features=features, width=192, layers=1, feedforward=384, frames_per_token=4),
-        latent=256,
-    )
-
-
-def untrained_bundle(folder: Path, seed: int = 0, feature_kind: str = "body") -> Path:
-    """A bundle of the default sizes that has learned nothing: everything runs with it, nothing is found."""
-    kind = FEATURE_KINDS[feature_kind]
-    language = LanguageModel.load()
-    torch.manual_seed(seed)
-    network = TMR(default_config(kind.size, language.width))
-    return export_bundle(
-        folder,
-        name="untrained",
-        motion_encoder=network.motion_encoder,
-        text_encoder=network.text_encoder,
-        language=language,
-        mean=np.zeros(kind.size, np.float32),
-        std=np.ones(kind.size, np.float32),
-        feature_kind=feature_kind,
-        max_frames=round(10 * kind.fps),
-        training={"note": "untrained"},
-    )

@@ -1,4 +1,5 @@
-"""TMR's losses: reconstruction, four KL terms, nearness of the latents, and InfoNCE without wrong negatives.
+"""TMR's losses: reconstruction, four KL terms, nearness of the latents, and InfoNCE without wrong negatives;
+beside them the ranking loss before TMR, and telling a sentence from its changed twin.
 
 Formulas (4.1)-(4.3) and (5.1) of Petrovich's thesis, averaged as the published code averages them: over all
 elements, padding included (there both sides are zero).
@@ -63,21 +64,55 @@ def similar_sentences(embeddings: Tensor, threshold: float = 0.8) -> Tensor:
 
 
 def contrastive(text: Tensor, motion: Tensor, temperature: float | Tensor, ignore: Tensor | None = None) -> Tensor:
-    """Symmetric InfoNCE over cosines of latents (B, D); row i of one side belongs to row i of the other.
+    """Symmetric InfoNCE over cosines of latents; row i of one side belongs to row i of the other.
 
     Parameters
     ----------
+    text : (B + E, D)
+        The E further sentences belong to no motion: they are negatives only.
+    motion : (B, D)
     temperature : float or scalar tensor
         A tensor may be learned.
-    ignore : boolean (B, B), text by motion
+    ignore : boolean (B + E, B), text by motion
         Pairs left out of both denominators; the diagonal stays whatever it says.
     """
+    count = len(motion)
     logits = F.normalize(text, dim=-1) @ F.normalize(motion, dim=-1).T / temperature
-    rows = torch.arange(len(logits), device=logits.device)
+    rows = torch.arange(count, device=logits.device)
     if ignore is not None:
-        own = torch.eye(len(logits), dtype=torch.bool, device=logits.device)
+        own = torch.eye(len(text), count, dtype=torch.bool, device=logits.device)
         logits = logits.masked_fill(ignore & ~own, -torch.inf)
-    return (F.cross_entropy(logits, rows) + F.cross_entropy(logits.T, rows)) / 2
+    return (F.cross_entropy(logits[:count], rows) + F.cross_entropy(logits.T, rows)) / 2
+
+
+def margin(text: Tensor, motion: Tensor, distance: float = 10.0) -> Tensor:
+    """The ranking loss of retrieval before TMR (Guo et al., CVPR 2022) over unscaled latents (B + E, D) and (B, D).
+
+    Own pairs are drawn together, each motion and one other sentence pushed `distance` apart, Euclidean; the E further
+    sentences do not count.
+    """
+    count = len(motion)
+    own = (text[:count] - motion).norm(dim=1)
+    other = (text[:count] - motion.roll(1, 0)).norm(dim=1)
+    return (own**2).mean() + (F.relu(distance - other) ** 2).mean()
+
+
+def telling_apart(text: Tensor, motion: Tensor, swapped: Tensor, temperature: float | Tensor) -> Tensor:
+    """Cross-entropy of choosing, for a motion, its own sentence over the one with a single thing changed.
+
+    Parameters
+    ----------
+    text : (B + E, D)
+        The S changed sentences right after the motions' own.
+    motion : (B, D)
+    swapped : (S,)
+        The motion of which each changed sentence is nearly, yet not, true.
+    """
+    count = len(motion)
+    motion = F.normalize(motion[swapped], dim=-1)
+    own = (F.normalize(text[swapped], dim=-1) * motion).sum(-1)
+    other = (F.normalize(text[count : count + len(swapped)], dim=-1) * motion).sum(-1)
+    return F.softplus((other - own) / temperature).mean()
 
 
 def total(terms: dict[str, Tensor], weights: Weights) -> Tensor:

@@ -10,12 +10,15 @@ import numpy as np
 
 from encoders.corpus.facts import stated_by
 from encoders.metrics import ranks
+from encoders.tmr.batches import Batches
 from encoders.tmr.data import PairStore
 from encoders.tmr.embed import embed_motions, embed_texts
 from encoders.tmr.language import LanguageModel
 from encoders.tmr.network import TMR
+from encoders.tmr.normaliser import Normaliser
+from encoders.tmr.recipe import Recipe
 from encoders.tmr.tokens import TokenTable
-from encoders.tmr.train import Batches, Normaliser, Recipe, Trainer
+from encoders.tmr.train import Trainer
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
-from torch import Tensor
 
 from encoders.tmr.language import LanguageModel, mean_embeddings
 
@@ -45,15 +43,6 @@ class TokenTable:
     def rows(self, indices: Sequence[int]) -> list[NDArray[np.float16]]:
         """Token features (L, width) of some sentences."""
         return [self.features[self.offsets[i] : self.offsets[i + 1]] for i in indices]
-
-
-def pad(rows: Sequence[NDArray[np.floating]]) -> tuple[Tensor, Tensor]:
-    """Rows (L, F) of mixed lengths -> float32 (B, L, F), zero-padded, and boolean mask (B, L)."""
-    lengths = np.array([len(row) for row in rows])
-    padded = np.zeros((len(rows), lengths.max(), rows[0].shape[1]), np.float32)
-    for i, row in enumerate(rows):
-        padded[i, : len(row)] = row
-    return torch.from_numpy(padded), torch.from_numpy(np.arange(padded.shape[1])[None] < lengths[:, None])
 
 
 def _digest(texts: Sequence[str], model: str) -> str:

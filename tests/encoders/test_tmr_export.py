@@ -17,11 +17,12 @@ from encoders.bundle import Bundle, open_session  # noqa: E402
 from encoders.errors import BundleError  # noqa: E402
 from encoders.kinds import FEATURE_KINDS  # noqa: E402
 from encoders.manifest import digest  # noqa: E402
-from encoders.tmr.export import default_config, export_bundle  # noqa: E402
+from encoders.tmr.export import export_bundle  # noqa: E402
 from encoders.tmr.graph import motion_graph, text_graph  # noqa: E402
 from encoders.tmr.language import LanguageModel  # noqa: E402
 from encoders.tmr.network import TMR, Encoder, Tower, valid_mask  # noqa: E402
 from encoders.tmr.quantise import int8_rows  # noqa: E402
+from encoders.tmr.recipe import default_network  # noqa: E402
 from tests.encoders.tiny_bundle import tiny_language, tiny_network, write  # noqa: E402
 
 SIZE = FEATURE_KINDS["body"].size
@@ -208,7 +209,7 @@ def test_the_default_sizes_stay_small_and_true_to_fp32(tmp_path):
     except BundleError as error:
         pytest.skip(str(error))
     torch.manual_seed(0)
-    network = TMR(default_config(SIZE, language.width)).eval().requires_grad_(False)
+    network = TMR(default_network(SIZE, language.width)).eval().requires_grad_(False)
     bundle = Bundle.load(
         export_bundle(
             tmp_path / "bundle",

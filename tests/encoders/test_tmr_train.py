@@ -13,10 +13,14 @@ import pytest
 torch = pytest.importorskip("torch")
 pytestmark = pytest.mark.torch
 
+from encoders.errors import MotionSeekError  # noqa: E402
+from encoders.tmr.batches import Batches  # noqa: E402
 from encoders.tmr.data import Pair, PairStore  # noqa: E402
+from encoders.tmr.losses import contrastive, telling_apart  # noqa: E402
 from encoders.tmr.network import Config, Tower  # noqa: E402
+from encoders.tmr.recipe import Recipe  # noqa: E402
 from encoders.tmr.run import prepare  # noqa: E402
-from encoders.tmr.train import Batches, Recipe, Trainer, contrast, learning_rate, telling_apart  # noqa: E402
+from encoders.tmr.train import Trainer, learning_rate  # noqa: E402
 
 KINDS, FEATURES, WIDTH = 8, 6, 8
 UNRELATED = ("a cheap spreadsheet", "lorem ipsum")
@@ -77,7 +81,7 @@ def prepared(tmp_path: Path):
 def test_it_learns_to_tell_the_motions_of_a_batch_apart(prepared, tmp_path: Path) -> None:
     """Far below the loss of a model to which all motions and sentences are the same."""
     batch = prepared[0].draw(np.random.default_rng(0))
-    same = contrast(torch.ones(len(batch.texts), 2), torch.ones(16, 2), batch.ignore, torch.tensor(0.1), "infonce")
+    same = contrastive(torch.ones(len(batch.texts), 2), torch.ones(16, 2), 0.1, batch.ignore)
     knowing_nothing = same.item() + RECIPE.telling * np.log(2)
     trainer = Trainer(tmp_path / "run", replace(RECIPE, rate=3e-3), SimpleNamespace(draw=lambda rng: batch))
     losses = [trainer._advance()["contrastive"] for _ in range(RECIPE.steps)]
@@ -108,12 +112,18 @@ def test_a_run_that_was_stopped_ends_as_one_that_was_not(prepared, tmp_path: Pat
 def test_a_run_does_not_go_on_with_another_network(prepared, tmp_path: Path) -> None:
     batches, _, _ = prepared
     Trainer(tmp_path, replace(RECIPE, steps=1), batches).run(say=str)
-    with pytest.raises(ValueError, match="another network"):
+    with pytest.raises(MotionSeekError, match="another network"):
         Trainer(tmp_path, replace(RECIPE, network=replace(RECIPE.network, latent=10)), batches)
 
 
 def test_a_recipe_survives_json() -> None:
     assert Recipe.from_dict(RECIPE.to_dict()) == RECIPE
+
+
+@pytest.mark.parametrize("wrong", [{"contrast": "infonec"}, {"filter": "fact"}])
+def test_a_recipe_knows_its_choices(wrong: dict[str, str]) -> None:
+    with pytest.raises(ValueError, match="must be one of"):
+        replace(RECIPE, **wrong)
 
 
 def test_pairs_that_may_be_right_are_left_out_and_wrong_ones_are_not(prepared) -> None:
@@ -135,7 +145,7 @@ def test_no_gradient_flows_through_a_pair_that_is_left_out() -> None:
     text, motion = torch.randn(3, 5, requires_grad=True), torch.randn(3, 5, requires_grad=True)
     ignore = torch.zeros(3, 3, dtype=torch.bool)
     ignore[0, 1:] = ignore[1:, 0] = True
-    contrast(text, motion, ignore, torch.tensor(0.1), "infonce").backward()
+    contrastive(text, motion, 0.1, ignore).backward()
     assert text.grad[0].abs().max() < 1e-6
     assert motion.grad[0].abs().max() < 1e-6
     assert text.grad[1].abs().max() > 1e-3

@@ -1,0 +1,116 @@
+"""Batches: which motions and sentences a training step sees, how they are varied, and which pairs are no negatives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from encoders.corpus.facts import stated_by
+from encoders.tmr.data import PairStore, sides_conflict
+from encoders.tmr.normaliser import Normaliser
+from encoders.tmr.recipe import Recipe
+from encoders.tmr.tokens import TokenTable
+
+
+@dataclass(frozen=True)
+class Batch:
+    """One step's rows of mixed lengths; texts beyond the motions' count are negatives only.
+
+    Attributes
+    ----------
+    motions : rows (T, F), standardised
+    texts : rows (L, width)
+    ignore : boolean (texts, motions), True where a pair counts neither way
+    swapped : (S,) for the S texts right after the motions' own: the motion of which each is nearly, yet not, true
+    """
+
+    motions: list[NDArray[np.float32]]
+    texts: list[NDArray[np.float16]]
+    ignore: Tensor
+    swapped: Tensor
+
+
+class Batches:
+    """Draws batches from made and real pairs."""
+
+    def __init__(
+        self,
+        made: PairStore,
+        real: PairStore | None,
+        unrelated: Sequence[str],
+        tokens: TokenTable,
+        texts: dict[str, int],
+        normaliser: Normaliser,
+        recipe: Recipe,
+    ) -> None:
+        self.made, self.real, self.recipe, self.tokens, self.normaliser = made, real, recipe, tokens, normaliser
+        self.rows = {id(store): np.array([texts[t] for t in store.texts]) for store in (made, real) if store}
+        self.all_texts = list(texts)
+        self.unrelated = np.array([texts[t] for t in unrelated])
+
+    def draw(self, rng: np.random.Generator) -> Batch:
+        """One batch."""
+        recipe = self.recipe
+        n_real = round(recipe.batch * recipe.real_share) if self.real else 0
+        picks = [(self.made, int(i)) for i in rng.integers(len(self.made), size=recipe.batch - n_real)]
+        if self.real:
+            picks += [(self.real, int(i)) for i in rng.integers(len(self.real), size=n_real)]
+        chosen = [int(rng.integers(len(store.captions[i]))) for store, i in picks]
+        own = [int(self.rows[id(store)][store.captions[i][c]]) for (store, i), c in zip(picks, chosen, strict=True)]
+        swapped = [
+            (row, int(self.rows[id(store)][rng.choice(store.swapped[i])]))
+            for row, (store, i) in enumerate(picks)
+            if store.swapped[i]
+        ][: recipe.hard_negatives]
+        away = rng.choice(self.unrelated, size=recipe.unrelated) if recipe.unrelated else np.zeros(0, np.int64)
+        motions = [self._motion(store, i, rng) for store, i in picks]
+        texts = self._words([*own, *(t for _, t in swapped), *away.tolist()], rng)
+        ignore = np.zeros((len(own) + len(swapped) + len(away), len(own)), bool)
+        if recipe.filter == "facts":
+            ignore[: len(own)] = self._no_negatives(picks, chosen, own)
+        for extra, (row, _) in enumerate(swapped):
+            ignore[len(own) + extra] = True
+            ignore[len(own) + extra, row] = False
+        return Batch(motions, texts, torch.from_numpy(ignore), torch.tensor([row for row, _ in swapped]).long())
+
+    def _motion(self, store: PairStore, index: int, rng: np.random.Generator) -> NDArray[np.float32]:
+        recipe = self.recipe
+        x = (store.motion(index).astype(np.float32) - self.normaliser.mean) / self.normaliser.std
+        limit = recipe.max_frames
+        facts = store.facts[index]
+        if rng.random() < recipe.crop and facts is not None and not any("<" in store.vocabulary[f] for f in facts):
+            limit = min(limit, max(12, int(len(x) * rng.uniform(0.5, 1))))
+        if len(x) > limit:
+            start = int(rng.integers(len(x) - limit + 1))
+            x = x[start : start + limit]
+        size = x.shape[1]
+        offset = recipe.bias * rng.standard_normal(size, dtype=np.float32)
+        return x + offset + recipe.noise * rng.standard_normal(x.shape, dtype=np.float32)
+
+    def _words(self, indices: list[int], rng: np.random.Generator) -> list[NDArray[np.float16]]:
+        """Token features of sentences, some of whose word pieces are lost; the first token always stays."""
+        rows = self.tokens.rows(indices)
+        kept = [rng.random(len(row)) >= self.recipe.words_lost for row in rows]
+        return [row[keep | (np.arange(len(row)) == 0)] for row, keep in zip(rows, kept, strict=True)]
+
+    def _no_negatives(self, picks: list[tuple[PairStore, int]], chosen: list[int], own: list[int]) -> NDArray[np.bool_]:
+        """(texts, motions): the sentence is, or may well be, true of a motion it was not written for."""
+        made = np.array([store.facts[i] is not None for store, i in picks])
+        ignore = np.zeros((len(picks), len(picks)), bool)
+        rows = np.flatnonzero(made)
+        if len(rows):
+            store = self.made
+            meanings = [store.meanings[picks[r][1]][chosen[r]] for r in rows]  # type: ignore[index]
+            facts = [store.facts[picks[r][1]] or [] for r in rows]
+            ignore[np.ix_(rows, rows)] = stated_by(meanings, facts, len(store.vocabulary))
+        involved = ~(made[:, None] & made[None, :])
+        sentences = self.tokens.sentences[own]
+        near = sentences @ sentences.T > 2 * self.recipe.similarity - 1
+        ignore |= near & involved & ~sides_conflict([self.all_texts[t] for t in own])
+        same = np.array(own)[:, None] == np.array(own)[None, :]
+        return ignore | same

@@ -1,0 +1,95 @@
+"""The recipe: everything that decides a training run.
+
+Beyond what is published, each switched by a field: a learned temperature, hard negatives (captions with the order,
+side, direction or count changed), sentences about anything but motion as negatives, weight averaging, random crops,
+and a share of real clips in every batch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from encoders.kinds import FEATURE_KINDS
+from encoders.tmr.losses import Weights
+from encoders.tmr.network import Config, Tower
+
+_CHOICES = {"filter": ("facts", "none"), "contrast": ("infonce", "margin", "none")}
+_FEATURES, _TOKEN_FEATURES = FEATURE_KINDS["body"].size, 384
+
+
+def default_network(features: int = _FEATURES, token_features: int = _TOKEN_FEATURES) -> Config:
+    """The sizes of the default model: about a quarter of published TMR's, four frames a token."""
+    return Config(
+        motion=Tower(features=features, width=256, layers=3, feedforward=768, frames_per_token=4),
+        text=Tower(features=token_features, width=256, layers=2, feedforward=768),
+        decoder=Tower(features=features, width=192, layers=1, feedforward=384, frames_per_token=4, dropout=0.0),
+        latent=256,
+    )
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """Everything that decides a training run.
+
+    Attributes
+    ----------
+    steps, batch, rate, warmup, decay : optimisation (AdamW, linear warm-up, cosine to a twentieth)
+    real_share : share of each batch taken from real clips
+    temperature : of the contrastive term; learned from this start where `learn_temperature`
+    filter : "facts" leaves out pairs known to be no negatives, "none" leaves out nothing
+    similarity : sentences nearer than this on the (1 + cosine) / 2 scale are no negatives where a real clip is involved
+    contrast : "infonce", "margin" (a ranking loss with a random negative) or "none"
+    hard_negatives, unrelated : captions a batch that are negatives for their own clip, or for every clip
+    telling : weight, within the contrastive term, of choosing between a sentence and its changed twin
+    crop : share of single-action clips of which a random part is shown
+    noise, bias : standard deviations of frame noise and of a constant offset a clip, in standardised units
+    words_lost : chance of each word piece to be left out of a sentence
+    averaging : decay of the running mean of weights that is kept
+    sampled : the contrastive term sees sampled latents, as published, instead of means
+    decoded : motions a batch that are reconstructed
+    """
+
+    network: Config = field(default_factory=default_network)
+    weights: Weights = field(default_factory=lambda: Weights(contrastive=0.5))
+    steps: int = 2400
+    batch: int = 192
+    rate: float = 1e-3
+    warmup: int = 60
+    decay: float = 0.02
+    real_share: float = 0.2
+    temperature: float = 0.07
+    learn_temperature: bool = True
+    filter: str = "facts"
+    similarity: float = 0.8
+    contrast: str = "infonce"
+    hard_negatives: int = 48
+    telling: float = 0.5
+    unrelated: int = 8
+    crop: float = 0.3
+    noise: float = 0.03
+    bias: float = 0.1
+    words_lost: float = 0.05
+    averaging: float = 0.995
+    sampled: bool = False
+    decoded: int = 64
+    max_frames: int = 128
+    seed: int = 0
+    bf16: bool = False
+
+    def __post_init__(self) -> None:
+        for name, choices in _CHOICES.items():
+            if getattr(self, name) not in choices:
+                raise ValueError(f"{name}={getattr(self, name)!r} must be one of {', '.join(choices)}")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers, as JSON takes them."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, values: dict[str, Any]) -> Recipe:
+        """Inverse of `to_dict`."""
+        values = dict(values)
+        values["network"] = Config.from_dict(values["network"])
+        values["weights"] = Weights(**values["weights"])
+        return cls(**values)
