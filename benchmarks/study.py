@@ -32,6 +32,8 @@ PLAIN = Recipe(
     unrelated=0,
     sampled=True,
     words_lost=0.0,
+    yaw=0.0,
+    tilt=0.0,
     real_share=0.0,
 )
 VARIANTS = {

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from encoders.corpus.facts import stated_by
+from encoders.tmr.augment import turned
 from encoders.tmr.data import PairStore, sides_conflict
 from encoders.tmr.normaliser import Normaliser
 from encoders.tmr.recipe import Recipe
@@ -80,7 +81,10 @@ class Batches:
 
     def _motion(self, store: PairStore, index: int, rng: np.random.Generator) -> NDArray[np.float32]:
         recipe = self.recipe
-        x = (store.motion(index).astype(np.float32) - self.normaliser.mean) / self.normaliser.std
+        x = store.motion(index).astype(np.float32)
+        if recipe.yaw or recipe.tilt:
+            x = turned(x, rng, recipe.yaw, recipe.tilt)
+        x = (x - self.normaliser.mean) / self.normaliser.std
         limit = recipe.max_frames
         facts = store.facts[index]
         if rng.random() < recipe.crop and facts is not None and not any("<" in store.vocabulary[f] for f in facts):

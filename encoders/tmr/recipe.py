@@ -44,6 +44,7 @@ class Recipe:
     telling : weight, within the contrastive term, of choosing between a sentence and its changed twin
     crop : share of single-action clips of which a random part is shown
     noise, bias : standard deviations of frame noise and of a constant offset a clip, in standardised units
+    yaw, tilt : standard deviations in degrees by which a clip's frame is turned about the vertical, and tilted
     words_lost : chance of each word piece to be left out of a sentence
     averaging : decay of the running mean of weights that is kept
     sampled : the contrastive term sees sampled latents, as published, instead of means
@@ -69,6 +70,8 @@ class Recipe:
     crop: float = 0.3
     noise: float = 0.03
     bias: float = 0.1
+    yaw: float = 4.0
+    tilt: float = 1.0
     words_lost: float = 0.05
     averaging: float = 0.995
     sampled: bool = False

@@ -40,6 +40,8 @@ RECIPE = Recipe(
     unrelated=2,
     decoded=8,
     averaging=0.9,
+    yaw=0.0,
+    tilt=0.0,
     max_frames=20,
 )
 
