@@ -11,7 +11,7 @@ from numpy.random import Generator
 from encoders.corpus.body import pose, random_geometry
 from encoders.corpus.curves import CHANNELS, Array, Curves
 from encoders.corpus.joining import at_rest, chain, overlay, pause, roam
-from encoders.corpus.programs import parts_of, programs
+from encoders.corpus.programs import parts_of, program_of
 from encoders.corpus.scene import Clip, Scene, Step
 from encoders.corpus.style import apply_manner, carry_idle_hands, sample_individual, sample_manner
 from encoders.motion import FPS
@@ -26,7 +26,7 @@ def act(step: Step, individual: Array, rng: Generator, frames: int = 0) -> Curve
         If the action or the style is unknown.
     """
     manner = sample_manner(step.style, individual, rng)
-    curves = programs()[step.action].make(step, manner, rng, frames)
+    curves = program_of(step.action).make(step, manner, rng, frames)
     apply_manner(curves, manner, rng)
     return curves
 
@@ -61,7 +61,7 @@ def _agreeing(scene: Scene, rng: Generator) -> list[tuple[Step, ...]]:
     for group in scene.steps:
         decided = []
         for step in group:
-            action = programs()[step.action]
+            action = program_of(step.action)
             if "floor" in (action.starts, action.ends) and lying in action.directions and action.group == "posture":
                 lying = step.direction or lying
                 step = replace(step, direction=lying)

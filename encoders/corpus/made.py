@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from encoders.corpus.compose import make_clip
 from encoders.corpus.facts import facts, stated_by
 from encoders.corpus.language import describe, parse, random_scene, swap
-from encoders.corpus.programs import programs
+from encoders.corpus.programs import program_of
 from encoders.corpus.scene import Scene, Step
 from encoders.kinds import FeatureKind
 from encoders.motion import Motion
@@ -51,7 +51,7 @@ def settle(scene: Scene, rng: Generator) -> Scene:
     """Sides and directions that the scene leaves open are decided, so that what is true of the clip is known."""
 
     def decided(step: Step) -> Step:
-        action = programs()[step.action]
+        action = program_of(step.action)
         side = step.side or (str(rng.choice(action.sides)) if action.sides else "")
         ahead = "forward" if "forward" in action.directions else ""
         return replace(step, side=side, direction=step.direction or ahead)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.random import Generator
 
 from encoders.corpus.curves import Array, Curves
+from encoders.corpus.unseen.styles import STYLES as UNSEEN_STYLES
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,7 @@ def sample_individual(rng: Generator) -> Array:
 
 
 def sample_manner(style: str, individual: Array, rng: Generator) -> Manner:
-    """Manner of a performer in a style ("" for none), which hides much of what is individual.
+    """Manner of a performer in a style ("" for none; one held out too), which hides much of what is individual.
 
     Raises
     ------
@@ -132,7 +133,8 @@ def sample_manner(style: str, individual: Array, rng: Generator) -> Manner:
     """
     row = individual
     if style:
-        own = np.array([STYLES[style].get(field, 0.0) for field in _FIELDS])
+        changes = STYLES.get(style) or UNSEEN_STYLES[style]
+        own = np.array([changes.get(field, 0.0) for field in _FIELDS])
         row = 0.5 * individual + own * rng.uniform(0.6, 1.3) * np.exp(rng.normal(0.0, 0.2, len(_FIELDS)))
     manner = Manner(**dict(zip(_FIELDS, np.clip(row, -2.0, 2.0).tolist(), strict=True)))
     return manner if rng.random() < 0.5 else replace(manner, roll=-manner.roll, limp=-manner.limp)

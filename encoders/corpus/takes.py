@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.random import Generator
@@ -13,28 +13,63 @@ from encoders.corpus.compose import make_clip
 from encoders.corpus.facts import facts
 from encoders.corpus.language import describe, random_scene
 from encoders.corpus.made import settle
-from encoders.corpus.scene import Scene
+from encoders.corpus.programs import program_of
+from encoders.corpus.scene import Scene, Step
+from encoders.corpus.unseen.words import ACTIONS, STYLES, in_the_manner, sentence
 from encoders.motion import FPS, Motion
 from encoders.skeleton import INDEX
 
 _BLEND = 6  # frames over which one clip becomes the next
+_UNSEEN_ACTIONS = 0.4  # share of clips
 _ACROSS = [INDEX[name] for name in ("right_hip", "left_hip", "right_shoulder", "left_shoulder")]
+
+
+Span = tuple[float, float]
+Group = tuple[Step, ...]
 
 
 @dataclass(frozen=True)
 class Marked:
-    """A sentence and every span (seconds) of the take of which it is true."""
+    """A sentence and every span (seconds) of the take of which it is true.
+
+    Attributes
+    ----------
+    meaning : frozenset of str
+        The facts it states; it is true of whatever happens that has them all.
+    unseen : bool
+        Whether it names an action that training never shows.
+    """
 
     sentence: str
-    spans: tuple[tuple[float, float], ...]
+    spans: tuple[Span, ...]
+    meaning: frozenset[str] = frozenset()
+    unseen: bool = False
+
+
+@dataclass(frozen=True)
+class Happening:
+    """What happens from when to when (seconds): a sentence for it, and all facts that hold."""
+
+    sentence: str
+    span: Span
+    facts: frozenset[str]
 
 
 @dataclass(frozen=True)
 class MarkedTake:
-    """A take and what happens in it, in order."""
+    """A take, the sentences asked of it, and what happens in it, in order."""
 
     motion: Motion
     marked: tuple[Marked, ...]
+    happens: tuple[Happening, ...] = ()
+
+    def spans(self, meaning: frozenset[str]) -> list[Span]:
+        """The spans of this take of which a meaning is true."""
+        return [h.span for h in self.happens if meaning and meaning <= h.facts]
+
+
+#: A sentence, and the facts that it states.
+Said = tuple[str, frozenset[str]]
 
 
 def made_take(rng: Generator, *, least: float = 30.0, most: float = 120.0) -> MarkedTake:
@@ -42,33 +77,84 @@ def made_take(rng: Generator, *, least: float = 30.0, most: float = 120.0) -> Ma
 
     Each action is described once; the sentence is marked wherever something happens of which it is known to be true.
     """
-    wanted = rng.uniform(least, most)
-    clips: list[NDArray[np.float32]] = []
-    happens: list[tuple[frozenset[str], tuple[float, float]]] = []
-    said: list[tuple[str, frozenset[str]]] = []
-    at = 0.0
-    while at < wanted:
-        scene = settle(random_scene(rng), rng)
-        clip = make_clip(scene, rng)
-        for group, (start, end) in zip(scene.steps, clip.spans, strict=True):
-            alone = Scene((group,))
-            caption = describe(alone, rng)
-            happens.append((facts(alone), (at + start, at + end)))
-            said.append((caption.text, facts(caption.scene)))
-        clips.append(clip.joints)
-        at += len(clip.joints) / clip.fps
-    marked = {text: Marked(text, tuple(span for true, span in happens if meaning <= true)) for text, meaning in said}
-    return MarkedTake(Motion(join(clips), FPS), tuple(marked.values()))
+    return _acted(rng, rng.uniform(least, most), lambda: settle(random_scene(rng), rng), _described)
+
+
+def unseen_take(rng: Generator, *, least: float = 30.0, most: float = 120.0) -> MarkedTake:
+    """As `made_take`, of what no training clip shows (`encoders.corpus.unseen`).
+
+    Two clips in five are actions held out, in any manner; the others are known actions in manners held out, which half
+    of their sentences name. The joins are held out as well: within a training clip `joining` carries one movement into
+    the next, here whole clips of different performers are blended end to end by `join`, which training never uses.
+    """
+    return _acted(rng, rng.uniform(least, most), lambda: _unseen_scene(rng), _described_unseen)
 
 
 def joined_take(clips: Sequence[tuple[Motion, str]]) -> MarkedTake:
     """Real clips end to end; a sentence that occurs twice is right at both places."""
     joints = [motion.resample(FPS).joints for motion, _ in clips]
     times = np.cumsum([0, *map(len, joints)]) / FPS
-    same: dict[str, list[tuple[float, float]]] = {}
-    for (_, sentence), start, end in zip(clips, times[:-1], times[1:], strict=True):
-        same.setdefault(sentence, []).append((float(start), float(end)))
-    return MarkedTake(Motion(join(joints), FPS), tuple(Marked(text, tuple(spans)) for text, spans in same.items()))
+    happens = [
+        Happening(sentence, (float(start), float(end)), frozenset({sentence}))
+        for (_, sentence), start, end in zip(clips, times[:-1], times[1:], strict=True)
+    ]
+    return marked_take(Motion(join(joints), FPS), happens)
+
+
+def marked_take(motion: Motion, happens: Sequence[Happening], meanings: Sequence[frozenset[str]] = ()) -> MarkedTake:
+    """A take whose sentences are those of what happens; without `meanings` each says all that it is true of."""
+    whole = MarkedTake(motion, (), tuple(happens))
+    said = dict(zip((h.sentence for h in happens), meanings or [h.facts for h in happens], strict=True))
+    marked = [
+        Marked(text, tuple(whole.spans(meaning)), meaning, bool(meaning & ACTIONS.keys()))
+        for text, meaning in said.items()
+    ]
+    return MarkedTake(motion, tuple(marked), whole.happens)
+
+
+def _acted(
+    rng: Generator, wanted: float, draw: Callable[[], Scene], described: Callable[[Group, Generator], Said]
+) -> MarkedTake:
+    clips: list[NDArray[np.float32]] = []
+    happens: list[Happening] = []
+    meanings: list[frozenset[str]] = []
+    at = 0.0
+    while at < wanted:
+        clip = make_clip(draw(), rng)
+        for group, (start, end) in zip(clip.scene.steps, clip.spans, strict=True):
+            text, meaning = described(group, rng)
+            happens.append(Happening(text, (at + start, at + end), facts(Scene((group,)))))
+            meanings.append(meaning)
+        clips.append(clip.joints)
+        at += len(clip.joints) / clip.fps
+    return marked_take(Motion(join(clips), FPS), happens, meanings)
+
+
+def _described(group: Group, rng: Generator) -> Said:
+    caption = describe(Scene((group,)), rng)
+    return caption.text, facts(caption.scene)
+
+
+def _unseen_scene(rng: Generator) -> Scene:
+    if rng.random() < _UNSEEN_ACTIONS:
+        return settle(Scene(((Step(str(rng.choice(sorted(ACTIONS)))),),)), rng)
+    scene, style = settle(random_scene(rng), rng), str(rng.choice(sorted(STYLES)))
+    return Scene(tuple((_styled(first, style), *others) for first, *others in scene.steps))
+
+
+def _styled(step: Step, style: str) -> Step:
+    return replace(step, style=style if program_of(step.action).styled else "")
+
+
+def _described_unseen(group: Group, rng: Generator) -> Said:
+    first = group[0]
+    if first.action in ACTIONS:
+        return sentence(first.action, rng), frozenset({first.action})
+    plain = tuple(replace(step, style="") for step in group)
+    text, meaning = _described(plain, rng)
+    if first.style and len(group) == 1 and rng.random() < 0.5:
+        return in_the_manner(text, first.style, rng), meaning | {f"{first.action}.style={first.style}"}
+    return text, meaning
 
 
 def join(clips: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:

@@ -1,0 +1,65 @@
+"""What is held out of training: nothing draws it, reads it or names it, and it can be acted out and asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from encoders.corpus.compose import make_clip
+from encoders.corpus.language import parse, random_scene
+from encoders.corpus.language.lexicon import entries
+from encoders.corpus.programs import held_out_programs, program_of, programs
+from encoders.corpus.scene import Scene, Step
+from encoders.corpus.style import STYLES
+from encoders.corpus.takes import unseen_take
+from encoders.corpus.unseen import styles, words
+
+HELD_OUT = sorted(held_out_programs())
+
+
+def test_programs_held_out_are_not_among_those_of_training() -> None:
+    assert len(HELD_OUT) >= 12
+    assert set(HELD_OUT) == set(words.ACTIONS)
+    assert not set(HELD_OUT) & set(programs())
+    assert all(program_of(name).held_out for name in HELD_OUT)
+    assert not set(HELD_OUT) & {entry.replace("_", " ") for entry in entries()}
+
+
+def test_no_drawn_scene_shows_them() -> None:
+    rng = np.random.default_rng(0)
+    steps = [step for _ in range(300) for group in random_scene(rng).steps for step in group]
+    assert not {step.action for step in steps} & set(HELD_OUT)
+    assert not {step.style for step in steps} & set(styles.STYLES)
+
+
+def test_no_sentence_is_read_as_them() -> None:
+    scenes = [parse(sentence) for said in words.ACTIONS.values() for sentence in said]
+    steps = [step for scene in scenes if scene for group in scene.steps for step in group]
+    assert not {step.action for step in steps} & set(HELD_OUT)
+
+
+def test_manners_held_out_are_none_of_training() -> None:
+    assert set(styles.STYLES) == set(words.STYLES)
+    assert not set(styles.STYLES) & set(STYLES)
+
+
+@pytest.mark.parametrize("action", HELD_OUT)
+def test_they_are_acted_out_by_sound_bodies(action: str) -> None:
+    for seed in range(3):
+        clip = make_clip(Scene(((Step(action),),)), np.random.default_rng(seed))
+        speed = 20 * np.linalg.norm(np.diff(clip.joints, axis=0), axis=-1)
+        assert 2.0 < len(clip.joints) / clip.fps < 25.0
+        assert np.isfinite(clip.joints).all()
+        assert clip.joints[..., 1].min() > -0.2
+        assert speed.max() < 20.0
+
+
+def test_a_take_of_them_mixes_unseen_actions_with_known_ones_in_unseen_manners() -> None:
+    taken = unseen_take(np.random.default_rng(0), least=60.0, most=60.0)
+    assert {marked.unseen for marked in taken.marked} == {True, False}
+    manners = {fact.split("=")[1] for h in taken.happens for fact in h.facts if ".style=" in fact}
+    assert manners
+    assert manners <= set(styles.STYLES)
+    for marked in taken.marked:
+        assert list(marked.spans) == taken.spans(marked.meaning)
+        assert marked.spans
