@@ -1,4 +1,4 @@
-"""The trunk bent and the body moved out of its place: bow, lean, twist, lunge, dodge, balance."""
+"""The trunk bent and the body moved out of its place: bend, lean, twist, lunge, dodge, balance."""
 
 from __future__ import annotations
 
@@ -24,37 +24,6 @@ from encoders.corpus.programs import AMPLITUDES, program
 from encoders.corpus.scene import Step
 from encoders.corpus.style import Manner
 from encoders.corpus.timing import duration
-
-
-@program("bow", group="posture", parts=TORSO, amplitudes=AMPLITUDES, counts=(1, 3), weight=2.5)
-def bow(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
-    """Bend at the waist and come up again; arms at the sides, on the thighs, before the belly or one across it."""
-    count = step.count or 1
-    frames = duration(2.4 * count, step, manner, rng, frames)
-    curves = standing(frames, TORSO)
-    depth = rng.uniform(*{"small": (0.35, 0.6), "": (0.5, 1.2), "large": (1.1, 1.6)}[step.amplitude])
-    down = depth * repeated(frames, count, rng, down=rng.uniform(0.2, 0.42), up=rng.uniform(0.2, 0.42))
-    share = rng.uniform(0.35, 0.75)
-    curves.pelvis[:, 0] += share * down
-    curves.root[:, 2] -= 0.2 * share * down
-    curves.root[:, 1] -= 0.03 * share * down
-    curves.spine[:, 0] += (1 - share) * down
-    curves.head[:, 0] += rng.uniform(-0.1, 0.5) * down
-    curves.feet[..., 0] *= rng.uniform(0.4, 1.2)
-    near = (down / depth)[:, None]
-    manners = rng.random()
-    if manners < 0.4:  # hands stay at the thighs
-        curves.hang[:] = 0.8 - 0.75 * near
-    elif manners < 0.6:  # hands slide down before the thighs
-        curves.hands[..., 0] += (-0.3 - 0.13) * near
-        curves.hands[..., 2] += 0.15 * near
-    elif manners < 0.75:  # one arm across the belly, perhaps the other behind the back
-        arm = int(rng.integers(2))
-        curves.hands[:, arm] += (np.array([-0.42, -0.42, 0.4]) - curves.hands[:, arm]) * near
-        curves.hang[:, arm] *= 1 - near[:, 0]
-        if rng.random() < 0.5:
-            curves.hands[:, 1 - arm] += (np.array([0.5, -0.55, -0.25]) - curves.hands[:, 1 - arm]) * near
-    return curves
 
 
 @program("bend forward", group="posture", amplitudes=AMPLITUDES, counts=(1, 4), weight=1.5)

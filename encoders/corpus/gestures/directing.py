@@ -14,15 +14,23 @@ GROUP = "gesture"
 
 @acted("beckon", group=GROUP, parts=ONE_ARM, sides=HANDS, amplitudes=SIZES, counts=(1, 6), weight=2)
 def beckon(c: Cue) -> list[Key]:
-    """Come here: the hand goes out and is drawn in to the chest or up to the shoulder."""
-    size, low = c.size(), c.chance(0.5)
-    out = c.about((0.0, c.r(-0.35, 0.05), 0.6 + 0.15 * size), 0.04)
-    drawn = out + np.array([c.r(-0.2, 0.05), 0.12 if low else 0.3, -0.28]) * size
-    beat = c.r(0.25, 0.42)
-    keys = [key(c.r(0.4, 0.7), hand=out)]
-    for _ in range(c.times(2, 4, 2 * beat)):
-        keys += [key(beat, hand=drawn, head=(0.06, 0, 0)), key(beat, hand=out, head=(-0.04, 0, 0))]
-    return [*keys, back(0.6)]
+    """Come here: the hand is drawn in from before the body, or the wrist alone scoops, palm up or palm down."""
+    size, kind = c.size(), c.rng.random()
+    out = c.about((c.r(-0.1, 0.2), c.r(-0.45, 0.3), 0.55 + 0.2 * min(size, 1.2)), 0.04)
+    if kind < 0.35:
+        pull, beat = np.array([c.r(-0.2, 0.05), 0.12, -0.28]), c.r(0.25, 0.42)
+    elif kind < 0.65:
+        pull, beat = np.array([c.r(-0.1, 0.05), 0.3, -0.28]), c.r(0.25, 0.42)
+    elif kind < 0.85:  # palm down, the hand paddles
+        pull, beat = np.array([0.0, -0.2, -0.12]), c.r(0.15, 0.28)
+    else:  # a great sweep of the whole arm
+        pull, beat = np.array([-0.15, 0.55, -0.45]), c.r(0.35, 0.6)
+    drawn = out + pull * size
+    nod, lean = c.r(0.0, 0.12), c.r(-0.08, 0.15)
+    keys = [key(c.r(0.35, 0.7), c.r(0.0, 0.3), hand=out, spine=(lean, 0, 0))]
+    for _ in range(c.times(1, 5, 2 * beat)):
+        keys += [key(beat, hand=drawn, head=(nod, 0, 0)), key(beat, hand=out, head=(-nod, 0, 0))]
+    return [*keys, back(c.r(0.5, 0.8))]
 
 
 def _aim(c: Cue) -> tuple[Array, tuple[float, float, float]]:
@@ -50,38 +58,89 @@ POINTING = ("forward", "left", "right", "up", "down", "backward")
 @acted("point", group=GROUP, parts=ONE_ARM, sides=SIDED, directions=POINTING, counts=(1, 3), weight=3)
 def point(c: Cue) -> list[Key]:
     place, gaze = _aim(c)
+    bent = 1.0 if c.chance(0.7) else c.r(0.75, 1.0)
     keys: list[Key] = []
     for _ in range(c.times(1, 1)):
         twist = (0, 0, 0.3 * gaze[2])
-        keys += [key(c.r(0.35, 0.7), c.r(0.5, 1.8), lead=place, head=gaze, spine=twist)]
+        arm: dict[str, ArrayLike] = {"lead": place * bent}
+        if c.chance(0.15):
+            arm["off"] = (0.3, -0.6, 0.02)  # on the hip
+        keys += [key(0.35, lead=(-0.1, -0.2, 0.4))] if c.chance(0.15) else []
+        keys += [key(c.r(0.2, 0.7), c.r(0.3, 2.2), **arm, head=gaze, spine=twist)]
         if c.chance(0.3):
-            keys += [key(0.2, lead=place * 0.93), key(0.2, 0.3, lead=place)]
+            keys += [key(0.2, lead=place * bent * 0.88), key(0.2, 0.3, lead=place * bent)]
         keys += [back(c.r(0.5, 0.8))]
     return keys if c.chance(0.85) else [*keys[:-1], key(0.1, 0.4)]
 
 
-@acted("guide", group=GROUP, parts=ONE_ARM, sides=SIDED, directions=("forward", "left", "right"), weight=4)
+def _toward_the_way(c: Cue) -> float:
+    """The way that is shown: radians from straight ahead to the leading side."""
+    if c.step.direction == "forward":
+        return c.r(-0.15, 0.85)
+    if c.toward:
+        return -c.r(0.75, 1.05) if c.toward < 0 else c.r(0.7, 1.7)
+    return c.r(-0.1, 0.6) if c.chance(0.45) else c.r(0.4, 1.6)
+
+
+def _open_hand(angle: float, up: float, length: float) -> Array:
+    """A hand held out that way and so high, in arm lengths."""
+    flat = np.sqrt(max(length**2 - up**2, 0.2))
+    return np.array([flat * np.sin(angle), up, flat * np.cos(angle)])
+
+
+def _before_the_way(c: Cue, angle: float, up: float) -> list[Key]:
+    """How the hand gets there: past the chest, in a sweep from the front, from across the belly, or straight."""
+    kind = c.rng.random()
+    if kind < 0.4:
+        return [key(c.r(0.3, 0.6), c.r(0.0, 0.2), lead=c.about((-0.2, c.r(-0.5, -0.2), 0.42), 0.06))]
+    if kind < 0.6:
+        sweep = _open_hand(angle - np.copysign(c.r(0.6, 1.1), angle), up + c.r(-0.1, 0.15), c.r(0.6, 0.85))
+        return [key(c.r(0.35, 0.6), lead=sweep)]
+    if kind < 0.7:
+        return [key(c.r(0.4, 0.6), lead=c.about((-0.42, -0.55, 0.35), 0.04), lead_elbow=0.2)]
+    return []
+
+
+def _off_hand(c: Cue, angle: float, up: float) -> dict[str, ArrayLike]:
+    """The other hand: hanging, behind the back, before the belly, on the hip, or held out along with the first."""
+    kind = c.rng.random()
+    if kind < 0.6:
+        return {}
+    if kind < 0.85:
+        places = ((-0.15, -0.72, -0.24), (-0.36, -0.52, 0.3), (0.3, -0.6, 0.02))
+        return {"off": c.about(places[int(c.rng.integers(3))], 0.03)}
+    across = _open_hand(-0.8 * angle - 0.2, up - c.r(0.0, 0.2), c.r(0.6, 0.8))
+    return {"off": across * [1.0 if angle > 0 else 0.5, 1.0, 1.0]}
+
+
+@acted("guide", group=GROUP, parts=ONE_ARM, sides=SIDED, directions=("forward", "left", "right"), weight=5)
 def guide(c: Cue) -> list[Key]:
-    """Show the way: an open hand is led out, past the chest or straight, and held there, often with a slight bow."""
-    direction = c.step.direction
+    """Show the way: an open hand is led out at waist to shoulder height and held, often with a slight bow or a turn."""
+    angle, up = _toward_the_way(c), c.r(-0.62, 0.1)
     across = c.toward < 0
-    angle = {"forward": c.r(-0.1, 0.6), "": c.r(0.0, 1.5)}.get(direction, -c.r(0.6, 1.0) if across else c.r(0.7, 1.6))
-    length, up = c.r(0.72, 0.96), c.r(-0.5, 0.05)
-    flat = np.sqrt(max(length**2 - up**2, 0.3))
-    place = np.array([flat * np.sin(angle), up, flat * np.cos(angle)])
-    bow, gaze = max(0.0, c.r(-0.15, 0.3)), float(np.clip(angle, -1, 1)) * c.r(0.2, 0.9)
-    trunk: dict[str, ArrayLike] = {"spine": (bow, 0, gaze * c.r(0, 0.5)), "head": (bow * 0.3, 0, gaze)}
+    up, length = (max(up, -0.4), c.r(0.8, 0.97)) if across else (up, c.r(0.6, 0.97))
+    place = _open_hand(angle, up, length)
+    bow, gaze = max(0.0, c.r(-0.2, 0.4)), float(np.clip(angle, -1, 1)) * c.r(0.0, 0.9)
+    trunk: dict[str, ArrayLike] = {"spine": (bow, 0, gaze * c.r(0, 0.5)), "head": (bow * c.r(-0.3, 0.5), 0, gaze)}
     if c.chance(0.4):  # turns to the way, or steps aside for it
         trunk["pelvis"] = (bow * 0.4, 0, 0.3 * gaze)
-    if c.chance(0.25):
-        trunk |= {"lead_foot": (0.12, 0.0, -0.18), "root": (0.04, -0.01, -0.08)}
     if c.chance(0.2):
-        trunk["off"] = (-0.35, -0.5, 0.3)
-    keys = [key(c.r(0.35, 0.6), lead=c.about((-0.2, -0.4, 0.42), 0.06))] if c.chance(0.6) else []
-    keys += [key(c.r(0.4, 0.9), c.r(0.8, 2.5), lead=place, lead_elbow=c.r(-0.4, 0.2), **trunk)]
-    if c.chance(0.3):  # again, as one repeats an invitation
-        keys += [key(0.3, lead=place * 0.8), key(0.35, c.r(0.4, 1.0), lead=place)]
-    return [*keys, back(c.r(0.6, 1.0))] if c.chance(0.8) else keys
+        trunk |= {"lead_foot": (0.12, 0.0, -0.18), "root": (0.04, -0.01, -0.08)}
+    elif c.chance(0.12):
+        trunk |= {"lead_foot": (0.05, 0.0, 0.25), "root": (0.03, -0.02, 0.12)}
+    trunk |= _off_hand(c, angle, up)
+    elbow, keys = c.r(-0.4, 0.3), _before_the_way(c, angle, up)
+    keys += [key(c.r(0.3, 0.9), c.r(0.5, 3.0), lead=place, lead_elbow=elbow, **trunk)]
+    kind = c.rng.random()
+    if kind < 0.3:  # again, as one repeats an invitation
+        for _ in range(int(c.rng.integers(1, 4))):
+            keys += [key(c.r(0.2, 0.35), lead=place * c.r(0.7, 0.9)), key(0.35, c.r(0.1, 0.8), lead=place)]
+    elif kind < 0.4:  # from the chest once more
+        keys += [key(0.5, lead=(-0.2, -0.35, 0.42)), key(0.5, c.r(0.4, 1.2), lead=place)]
+    elif kind < 0.5 and not c.toward:  # the other way too
+        other = _open_hand(-0.7, up, min(length, 0.8))
+        keys += [key(0.7, c.r(0.4, 1.0), lead=other, head=(0.0, 0.0, -0.5))]
+    return [*keys, back(c.r(0.5, 1.0))] if c.chance(0.78) else keys
 
 
 @acted("phone call", group=GROUP, parts=ONE_ARM, sides=SIDED, precise=True)

@@ -1,49 +1,14 @@
-"""Gestures of greeting and feeling towards others: wave, salute, clap, hug, cheer."""
+"""Gestures of greeting and feeling towards others: salute, clap, hug, cheer."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from encoders.corpus.acting import HANDS, ONE_ARM, SIDED, SIZES, UPPER, Cue, acted, moved
-from encoders.corpus.curves import ARMS, Array
+from encoders.corpus.curves import ARMS
 from encoders.corpus.keyframes import REST, Key, back, key
 
 GROUP = "gesture"
-
-
-@acted(
-    "wave",
-    group=GROUP,
-    parts=ONE_ARM,
-    sides=HANDS,
-    heights=("middle", "high"),
-    amplitudes=SIZES,
-    counts=(2, 8),
-    weight=4,
-)
-def wave(c: Cue) -> list[Key]:
-    """From a small flutter of the hand at the chest to great swings overhead; two hands alike or mirrored."""
-    size = c.size(0.35)
-    up = c.height(0.0, 0.05, 0.55) if c.step.height != "high" else c.r(0.35, 0.9)
-    up = up + c.r(-0.2, 0.1) if c.step.height == "middle" else up
-    half = 0.2 * size * (1.5 if up > 0.6 else 1.0)
-    centre = c.about((c.r(0.0, 0.4), up, c.r(0.1, 0.5) if up > 0.3 else c.r(0.3, 0.6)), 0.03)
-    swing, arc = np.array([half, -0.35 * half, c.r(-0.3, 0.3) * half]), np.array([0.0, 0.3 * half, 0.0])
-    mirrored = 1.0 if c.chance(0.6) else -1.0
-    beat = c.r(0.17, 0.3) * (1.0 + 0.6 * max(half - 0.2, 0.0) / 0.2)
-    elbow = c.r(-0.2, 0.5)
-
-    def pose(phase: float) -> dict[str, Array]:
-        hands = {"lead": centre + phase * swing - abs(phase) * arc}
-        if c.both:
-            hands["off"] = centre + mirrored * phase * swing - abs(phase) * arc
-        return hands
-
-    lean = (0, -0.15 * half * c.r(0, 1), 0)
-    keys = [key(c.r(0.45, 0.9), **pose(0.6), elbow=elbow, head=(0, 0, 0))]
-    for _ in range(c.times(2, 6, 2 * beat)):
-        keys += [key(beat, **pose(-1.0), spine=lean), key(beat, **pose(1.0), spine=(0, 0, 0))]
-    return [*keys, back(c.r(0.5, 0.9))]
 
 
 @acted("salute", group=GROUP, parts=ONE_ARM, sides=SIDED, precise=True, counts=(1, 3))
