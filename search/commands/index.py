@@ -76,16 +76,11 @@ def index(
 
 def read_joint_map(path: Path) -> dict[str, str]:
     """Target joint -> joint name in the rig, from a JSON file."""
-    import json
-
     from encoders.skeleton import JOINTS
 
-    try:
-        names = json.loads(path.read_text("utf-8-sig"))
-    except (ValueError, OSError) as error:
-        raise click.ClickException(f"{path} is no JSON file: {error}") from None
-    if not isinstance(names, dict) or not all(isinstance(name, str) for name in names.values()):
-        raise click.ClickException(f'{path} must hold one JSON object such as {{"left_wrist": "LeftHand"}}')
+    names = options.read_object(path)
+    if not all(isinstance(name, str) for name in names.values()):
+        raise click.ClickException(f'{path} must hold names of joints, such as {{"left_wrist": "LeftHand"}}')
     unknown = sorted(set(names) - set(JOINTS))
     if unknown:
         raise click.ClickException(f"{path}: no target joint {', '.join(unknown)}; there are {', '.join(JOINTS)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -69,6 +70,17 @@ def open_source(ref: str, folder: str | None) -> Iterator[tuple[Bundle, Source, 
         return
     with library:
         yield library.bundle, find_source(ref, library), library
+
+
+def read_object(path: Path) -> dict[str, Any]:
+    """The JSON object that a file holds."""
+    try:
+        content = json.loads(path.read_text("utf-8-sig"))
+    except (ValueError, OSError) as error:
+        raise click.ClickException(f"{path} is no JSON file: {error}") from None
+    if not isinstance(content, dict):
+        raise click.ClickException(f'{path} must hold one JSON object, {{"name": value, ...}}')
+    return content
 
 
 def refuse_overwriting(path: Path, force: bool) -> None:

@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import json
+from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
+from encoders.errors import QueryError
 from search.commands import options
+
+if TYPE_CHECKING:
+    from encoders.corpus.language import HeldOut
+    from encoders.kinds import FeatureKind
+    from encoders.tmr.data import PairStore
+    from encoders.tmr.recipe import Recipe
 
 _FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
 _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
@@ -48,38 +57,69 @@ def train(
       motionseek model train runs/default --real data/mocap --captions captions.jsonl --sentences sentences.txt
       motionseek model train runs/quick --made 2000 --steps 200
     """
+    need_extra()
     from encoders.corpus.language import HeldOut
     from encoders.corpus.seeds import VALIDATION
     from encoders.kinds import FEATURE_KINDS
     from encoders.tmr.language import LanguageModel
-    from encoders.tmr.material import made_store, made_stores, real_store, unrelated_sentences
+    from encoders.tmr.material import made_store, made_stores, unrelated_sentences
     from encoders.tmr.run import prepare
     from encoders.tmr.run import train as train_in
-    from encoders.tmr.train import Recipe
-    from indexer.captioned import captioned_takes
 
     if (real is None) != (captions is None):
         raise click.UsageError("--real and --captions belong together")
-    changes = json.loads(recipe.read_text("utf-8")) if recipe else {}
-    unknown = sorted(set(changes) - set(Recipe().to_dict()))
-    if unknown:
-        raise click.UsageError(f"{recipe}: a recipe has no {', '.join(unknown)}; see docs/training.md")
-    chosen = Recipe.from_dict(Recipe().to_dict() | changes | ({"steps": steps} if steps else {}))
+    chosen = read_recipe(recipe, steps)
     kind = FEATURE_KINDS["body"]
+    language = LanguageModel.load()
     banned = HeldOut(text for path in held_out for text in _sentences(path))
     lines = [text for text in _sentences(sentences) if not banned(text)] if sentences else []
+    people, asked = real_stores(real, captions, kind, banned) if real and captions else (None, None)
     clips = made_stores(run, made, kind.name, lines, banned, jobs=jobs, say=click.echo)
     validation = made_store(run / "validation.npz", VALIDATION, 1000, kind.name, (), banned)
-    stores = [
-        real_store(captioned_takes(real, captions, split), kind, varied=split == "train", held_out=banned)
-        if real and captions
-        else None
-        for split in ("train", "val")
-    ]
     batches, validate, normaliser = prepare(
-        chosen, clips, stores[0], validation, stores[1], unrelated_sentences(600), LanguageModel.load(), run
+        chosen, clips, people, validation, asked, unrelated_sentences(600), language, run
     )
     train_in(run, chosen, batches, validate, normaliser, every=100, minutes=minutes, say=click.echo)
+
+
+def need_extra() -> None:
+    """Stop where the packages of the extra `train` are missing."""
+    missing = [name for name in ("torch", "onnx", "safetensors") if find_spec(name) is None]
+    if missing:
+        raise click.ClickException(
+            f"training needs {', '.join(missing)}, not installed here; run in a checkout: pip install '.[train]'"
+        )
+
+
+def read_recipe(path: Path | None, steps: int | None) -> Recipe:
+    """The default recipe with the fields that a file and the command line change."""
+    from encoders.tmr.recipe import Recipe
+
+    default = Recipe().to_dict()
+    changes = options.read_object(path) if path else {}
+    unknown = sorted(set(changes) - set(default))
+    if unknown:
+        raise click.UsageError(f"{path}: a recipe has no {', '.join(unknown)}; see docs/training.md")
+    try:
+        return Recipe.from_dict(default | changes | ({"steps": steps} if steps else {}))
+    except (KeyError, TypeError, ValueError) as error:
+        raise click.UsageError(f"{path}: no recipe ({error!r}); see docs/training.md") from None
+
+
+def real_stores(folder: Path, captions: Path, kind: FeatureKind, banned: HeldOut) -> tuple[PairStore, PairStore | None]:
+    """Real clips to train on, and those to validate on, of which none may be.
+
+    Only what is trained on goes without the sentences held out: validation asks with them.
+    """
+    from encoders.corpus.language import HeldOut
+    from encoders.tmr.material import real_store
+    from indexer.captioned import captioned_takes
+
+    training = real_store(captioned_takes(folder, captions, "train"), kind, varied=True, held_out=banned)
+    if not len(training):
+        raise QueryError(f"{folder}: no take of split 'train' has a caption; see docs/training.md")
+    validation = real_store(captioned_takes(folder, captions, "val"), kind, varied=False, held_out=HeldOut(()))
+    return training, validation if len(validation) else None
 
 
 @click.command()
@@ -96,11 +136,17 @@ def release(run: Path, folder: Path, name: str, real: Path | None, captions: Pat
     Examples:
       motionseek model release runs/default my_model/
     """
+    need_extra()
     from indexer.captioned import captioned_takes
     from search.release import release as release_run
 
+    for file in ("recipe.json", "last.pt", "normaliser.npz"):
+        if not (run / file).is_file():
+            raise click.ClickException(
+                f"{run}: no finished run, for {file} is missing; 'motionseek model train' makes it"
+            )
+    training = options.read_object(notes) if notes else None
     takes = list(captioned_takes(real, captions, "val")) if real and captions else []
-    training = json.loads(notes.read_text("utf-8")) if notes else None
     bundle = release_run(run, folder, name=name, training=training, takes=takes)
     click.echo(f"{bundle.name} {bundle.fingerprint[:12]} in {folder}")
 
@@ -140,10 +186,13 @@ def card(
 
 def _sentences(path: Path) -> list[str]:
     """Lines of a text file, the last column of a table, or the captions in JSON lines that are not for training."""
-    lines = [line.strip() for line in path.read_text("utf-8").splitlines() if line.strip()]
-    if path.suffix == ".jsonl":
-        rows = [json.loads(line) for line in lines]
-        return [caption for row in rows if row.get("split") != "train" for caption in row["captions"]]
+    try:
+        lines = [line.strip() for line in path.read_text("utf-8").splitlines() if line.strip()]
+        if path.suffix == ".jsonl":
+            rows = [json.loads(line) for line in lines]
+            return [caption for row in rows if row.get("split") != "train" for caption in row["captions"]]
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise QueryError(f"{path}: holds no sentences ({error!r}); see docs/training.md") from None
     if path.suffix == ".tsv":
         return [line.split("\t")[-1] for line in lines[1:]]
     return lines
