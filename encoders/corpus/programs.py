@@ -41,6 +41,8 @@ MODULES = (
     "dance",
     "exercise",
 )
+#: The module of programs that are only measured with.
+HELD_OUT = "unseen.actions"
 
 SPEEDS = ("slow", "fast")
 AMPLITUDES = ("small", "large")
@@ -70,6 +72,8 @@ class Program:
         Posture before and after: "stand", "sit", "kneel", "floor".
     weight : float
         How often to draw it, relative to the others.
+    held_out : bool
+        Only to measure with: never drawn, read out of sentences or trained on.
     """
 
     name: str
@@ -86,6 +90,7 @@ class Program:
     starts: str = "stand"
     ends: str = "stand"
     weight: float = 1.0
+    held_out: bool = False
 
 
 _REGISTRY: dict[str, Program] = {}
@@ -111,12 +116,30 @@ def program(name: str, *, group: str, parts: Iterable[str] = BODY, **particulars
 
 @functools.cache
 def programs() -> dict[str, Program]:
-    """All programs by name."""
+    """All programs by name, but those held out."""
     for module in MODULES:
         name = f"encoders.corpus.{module}"
         if importlib.util.find_spec(name) is not None:
             importlib.import_module(name)
-    return dict(sorted(_REGISTRY.items()))
+    return {name: action for name, action in sorted(_REGISTRY.items()) if not action.held_out}
+
+
+@functools.cache
+def held_out_programs() -> dict[str, Program]:
+    """The programs that are only measured with, by name."""
+    importlib.import_module(f"encoders.corpus.{HELD_OUT}")
+    return {name: action for name, action in sorted(_REGISTRY.items()) if action.held_out}
+
+
+def program_of(name: str) -> Program:
+    """The program of an action, held out or not.
+
+    Raises
+    ------
+    KeyError
+        If the action is unknown.
+    """
+    return programs().get(name) or held_out_programs()[name]
 
 
 def parts_of(step: Step) -> frozenset[str]:
@@ -127,7 +150,7 @@ def parts_of(step: Step) -> frozenset[str]:
     KeyError
         If the action is unknown.
     """
-    action = programs()[step.action]
+    action = program_of(step.action)
     other = {"left": "right_arm", "right": "left_arm"}.get(step.side)
     return action.parts - {other} if action.sides and action.parts >= ARMS else action.parts
 
