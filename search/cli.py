@@ -23,6 +23,7 @@ COMMANDS = {
     "similar": "search.commands.similar",
     "segment": "search.commands.segment",
     "export": "search.commands.export",
+    "render": "search.commands.render",
     "serve": "search.commands.serve",
     "status": "search.commands.status",
     "evaluate": "search.commands.evaluate",

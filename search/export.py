@@ -37,9 +37,9 @@ def write_cut(source: Source, out: Path, start: float | None = None, end: float 
         raise QueryError(f"{out}: can write {', '.join(WRITERS)}")
     if writer is _write_bvh and source.file is not None and bvh.is_bvh(source.file):
         first = max(start or 0.0, 0.0)
-        with _replacing(out) as file:
+        with replacing(out) as file:
             return bvh.cut(source.file, file, first, first + motion.duration, duration=source.duration)
-    with _replacing(out) as file:
+    with replacing(out) as file:
         writer(file, motion)
     return len(motion), motion.fps
 
@@ -61,7 +61,7 @@ WRITERS: dict[str, Callable[[IO[bytes], Motion], None]] = {".bvh": _write_bvh, "
 
 
 @contextmanager
-def _replacing(out: Path) -> Iterator[IO[bytes]]:
+def replacing(out: Path) -> Iterator[IO[bytes]]:
     """A file that takes the place of `out` once it is whole."""
     handle, name = tempfile.mkstemp(dir=out.absolute().parent, prefix=f".{out.name}.")
     try:
