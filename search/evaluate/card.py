@@ -86,11 +86,12 @@ def _made(clips: Sequence[Made], bundle: Bundle) -> list[str]:
     rows = [(name, *(f"{v:.1f}" for v in row.values())) for name, row in figures.items() if "R@1" in row]
     some = bundle.encode_features([clip.features for clip in clips[:300]])
     nonsense = evaluate_nonsense(bundle, some)
+    swapped = figures.get("swapped", {"told apart": 0.0, "pairs": 0.0})
     return [
         f"## {len(clips)} made motions that nobody trained on\n",
         table(("", "R@1", "R@2", "R@3", "R@5", "R@10", "median rank"), rows),
         f"\nSwapped pairs (order, side, direction or count changed), true sentence above the false one: "
-        f"{figures['swapped']['told apart']:.1f} % of {figures['swapped']['pairs']:.0f}.",
+        f"{swapped['told apart']:.1f} % of {swapped['pairs']:.0f}.",
         f"\nSentences about other things ({nonsense['sentences']:.0f}) called strong: {nonsense['strong']:.0f} %, "
         f"plausible: {nonsense['plausible']:.0f} %.\n",
     ]

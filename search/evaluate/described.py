@@ -9,6 +9,7 @@ import numpy as np
 
 from encoders.bundle import Bundle
 from encoders.corpus.real import CaptionedTake
+from encoders.errors import QueryError
 from encoders.metrics import ranks
 from search.query import encode_queries
 
@@ -44,15 +45,22 @@ def evaluate_described(takes: Iterable[CaptionedTake], bundle: Bundle) -> Descri
 
     A file is right for a description if its owner described it so, in whatever rig. Files described as "unknown" stay
     in the gallery and are never asked for.
+
+    Raises
+    ------
+    QueryError
+        If no take has a description.
     """
     takes = list(takes)
-    gallery = bundle.encode_motions([take.motion for take in takes])
     descriptions = np.array([take.description for take in takes])
     asked: dict[str, list[str]] = {}
     for take in takes:
         if take.description and take.description.lower() != "unknown":
             sentences = asked.setdefault(take.description, [take.description])
             sentences += [c for span in take.spans for c in span.captions if c not in sentences]
+    if not asked:
+        raise QueryError("no take of that split can be read and has a description; see docs/evaluation.md")
+    gallery = bundle.encode_motions([take.motion for take in takes])
     found = {}
     for description, sentences in asked.items():
         similarity = encode_queries(bundle, sentences) @ gallery.T

@@ -49,3 +49,13 @@ def test_clips_of_which_the_sentence_is_also_true_count() -> None:
     asked = 1 / 32
     true, same = figures["true of it, text -> motion"]["R@1"], figures["same sentence, text -> motion"]["R@1"]
     assert true - same == pytest.approx(100 * asked)
+
+
+def test_what_so_few_clips_cannot_show_is_left_out() -> None:
+    figures = evaluate_corpus([clip(i, i) for i in range(3)], KnownAnswers())  # type: ignore[arg-type]
+    assert set(figures) == {
+        "same sentence, text -> motion",
+        "same sentence, motion -> text",
+        "true of it, text -> motion",
+    }
+    assert all(np.isfinite(list(row.values())).all() for row in figures.values())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from encoders.corpus.real import CaptionedSpan, CaptionedTake
+from encoders.errors import QueryError
 from search.evaluate.described import evaluate_described
 from tests.search.answers import KnownAnswers, motion
 
@@ -27,3 +28,9 @@ def test_rank_of_the_best_file_with_the_description() -> None:
 def test_a_sentence_written_about_several_files_is_asked_once() -> None:
     takes = [take(0, "zero", "zero", "one"), take(0, "zero", "one")]
     assert len(evaluate_described(takes, KnownAnswers()).ranks["zero"]) == 2  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("takes", [[], [take(0, "unknown")]])
+def test_an_archive_without_descriptions_is_an_error(takes: list[CaptionedTake]) -> None:
+    with pytest.raises(QueryError, match="has a description"):
+        evaluate_described(takes, KnownAnswers())  # type: ignore[arg-type]
