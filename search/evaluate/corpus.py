@@ -21,7 +21,7 @@ def evaluate_corpus(clips: Iterable[Made], bundle: Bundle) -> dict[str, dict[str
     dict
         "same sentence": clips with the same sentence count as right; "true of it": every clip of which the sentence
         is known to be true counts; "batches of 32"; "swapped": percent of clips whose true caption scores above a
-        false one that differs in order, side, direction or count. Without 32 clips, or any such pair, theirs are missing.
+        false one that differs in order, side, direction or count. What there are too few clips for is left out.
     """
     clips = list(clips)
     gallery = bundle.encode_features([clip.features[: bundle.max_frames] for clip in clips])
