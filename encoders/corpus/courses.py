@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import Generator
 
-from encoders.corpus.curves import Array, Curves, ease
+from encoders.corpus.curves import Array, Curves, ease, hold
 from encoders.corpus.gait import PAD, Course, Gait, gait_phase, step_along
 from encoders.corpus.scene import Step
 from encoders.corpus.style import Manner
-from encoders.corpus.timing import tempo
+from encoders.corpus.timing import SPEED, tempo
 from encoders.motion import FPS
 
 TURN = {
@@ -35,7 +35,7 @@ def effort(frames: int, rng: Generator, *, rest: float = 0.6, rise: float = 0.6)
     `rest` is the chance of rest at either end, `rise` the seconds it takes to get going.
     """
     now, total = seconds(frames), frames / FPS
-    rise = min(rise, 0.35 * total)
+    rise = min(rise * rng.uniform(0.6, 1.5), 0.35 * total)
     going = np.ones(len(now))
     if rng.random() < rest:
         going *= ease((now - rng.uniform(0.0, 0.2)) / (rise * rng.uniform(0.8, 1.3)))
@@ -82,6 +82,8 @@ def bearing(direction: str, way: Array, rng: Generator) -> tuple[Array, float]:
     if direction == "back and forth":
         return _back_and_forth(gone, total, rng), 0.0
     angle = TURN[direction]
+    if "-" in direction:  # diagonals are seldom exact
+        angle += np.sign(angle) * np.deg2rad(rng.uniform(-25, 15) * (1 if direction.startswith("forward") else -1))
     backward = direction.startswith("backward")
     if backward or not angle or rng.random() < (0.75 if "-" in direction else 0.4):
         return rng.normal(0.0, 0.1) * gone / max(total, 3.0), angle
@@ -97,10 +99,11 @@ def travel(
     stride = manner.factor("stride") * {"small": 0.65, "": 1.0, "large": 1.3}[step.amplitude]
     still = step.direction == "in place"
     sideways = {"left": 0.8, "right": 0.8}.get(step.direction, 0.7 if step.direction.startswith("back") else 1.0)
+    sideways *= rng.uniform(0.75, 1.1) if sideways < 1 else 1.0
     fastest = 1.9 if gait.duty > 0.5 else 7.0
     speed = gait.speed * pace * manner.factor("pace") * stride * sideways
     speed = min(speed, fastest)
-    going = effort(frames, rng, rest=0.35 if gait.duty < 0.5 else 0.45) if going is None else going
+    going = effort(frames, rng, rest=0.5) if going is None else going
     way = np.cumsum(speed * going) / FPS
     facing, angle = bearing("" if still else step.direction, np.zeros_like(way) if still else way, rng)
     pace_of_feet = gait.cadence * np.sqrt(pace) * manner.factor("pace")
@@ -108,25 +111,58 @@ def travel(
     reach = 0.66 if gait.duty < 0.5 else 0.95
     duty = min(gait.duty, max(reach * pace_of_feet / 2 / max(speed, 0.1), 0.52 if gait.duty > 0.5 else 0.2))
     phase = gait_phase(pace_of_feet * (0.75 + 0.25 * going), rng.random(), manner)
-    course = Course(_integrate(0.0 * way if still else way, facing + angle), facing - facing[PAD], going, phase)
+    course = Course(integrate(0.0 * way if still else way, facing + angle), facing - facing[PAD], going, phase)
     changed = replace(
         gait,
         speed=speed,
         duty=duty,
         arms=gait.arms * float(np.clip(stride * pace, 0.4, 1.4)),
         push=gait.push * (0.3 if still else max(float(np.cos(angle)), 0.15)),
-        width=gait.width + 0.03 * abs(float(np.sin(angle))),
     )
-    return course, changed
+    return course, _aside(changed, float(np.sin(angle)), speed / max(pace_of_feet, 0.5), rng)
 
 
-def _integrate(way: Array, direction: Array) -> Array:
+def _aside(gait: Gait, share: float, stride: float, rng: Generator) -> Gait:
+    """The gait as it goes aside: wider; fully sideways the legs cross, or one foot leads and the other closes.
+
+    `share` is the sine of the angle between the facing and the way, `stride` the metres of one step.
+    """
+    gait = replace(gait, width=gait.width + 0.03 * abs(share))
+    if abs(share) < 0.35 or gait.duty < 0.5:
+        return gait
+    if rng.random() < 0.4:
+        return replace(gait, cross=rng.choice([-1, 1]) * rng.uniform(0.05, 0.1))
+    closing = float(np.sign(share)) * rng.uniform(0.0, 0.17)
+    return replace(gait, width=max(gait.width, min(0.5 * stride * abs(share), 0.2)), offset=0.5 - closing)
+
+
+def integrate(way: Array, direction: Array) -> Array:
     stretch = np.diff(way, prepend=way[0])[:, None]
     root = np.cumsum(stretch * np.stack([np.sin(direction), np.cos(direction)], axis=1), axis=0)
     return np.asarray(root - root[PAD])
 
 
+def stay(step: Step, gait: Gait, manner: Manner, rng: Generator) -> int:
+    """Frames that a performer has at this gait: 2 to 6 seconds, mostly cut short by a room of 3 to 8 metres."""
+    frames = int(rng.uniform(2.0, 6.0) * FPS)
+    if step.direction not in STRAIGHT or rng.random() < 0.2:
+        return frames
+    speed = gait.speed * manner.factor("pace") * manner.factor("stride") * SPEED[step.speed]
+    return min(frames, int((max(rng.uniform(3.0, 8.0) / speed, 0.8) + rng.uniform(0.3, 1.2)) * FPS))
+
+
 def go(step: Step, gait: Gait, manner: Manner, rng: Generator, frames: int = 0) -> Curves:
-    """Act a gait out along the step's direction, 2 to 6 seconds long unless `frames` says."""
-    course, gait = travel(step, gait, manner, rng, frames or int(rng.uniform(2.0, 6.0) * FPS))
-    return step_along(course, gait, manner)
+    """Act a gait out along the step's direction, 2 to 6 seconds long or as the room allows unless `frames` says."""
+    course, gait = travel(step, gait, manner, rng, frames or stay(step, gait, manner, rng))
+    curves = step_along(course, gait, manner)
+    if rng.random() < 0.4:  # looks where it goes
+        _look_along(curves, rng.uniform(0.1, 0.6))
+    return curves
+
+
+def _look_along(curves: Curves, share: float) -> None:
+    """Turn the head by a share towards the way, where the body goes aside."""
+    way = curves.root[-1, [0, 2]] - curves.root[0, [0, 2]]
+    aside = np.angle(np.exp(1j * (np.arctan2(way[0], way[1]) - curves.heading.mean())))
+    if np.hypot(*way) > 0.5 and np.ptp(curves.heading) < 0.5 and 0.3 < abs(aside) < 2.0:
+        curves.head[:, 2] += share * aside * hold(len(curves), 0.15, 0.1)

@@ -51,6 +51,8 @@ class Gait:
         How much lower than standing the hips travel.
     offset : float
         Cycles from the landing of the left foot to that of the right.
+    cross : float
+        How far the left foot is put ahead of the right one's line, for legs that cross sideways.
     """
 
     speed: float = 1.25
@@ -69,6 +71,7 @@ class Gait:
     width: float = 0.05
     crouch: float = 0.015
     offset: float = 0.5
+    cross: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -143,10 +146,12 @@ def _foot(course: Course, gait: Gait, manner: Manner, side: int) -> tuple[Array,
         course.phase - (gait.offset if side == RIGHT else 0.0),
         gait.duty,
         width if side == LEFT else -width,
-        -gait.behind,
+        (gait.cross if side == LEFT else -gait.cross) - gait.behind,
     )
     effort, facing = course.effort, place[:, 3]
-    raised = np.maximum(gait.lift + manner.lift, 0.015) * effort + course.lift
+    # A foot that still has a way to go when the body has come to rest is lifted for it, too.
+    goes = np.hypot(np.gradient(place[:, 0]), np.gradient(place[:, 2])) * FPS
+    raised = np.maximum(gait.lift + manner.lift, 0.015) * np.maximum(effort, 0.6 * ease(goes / 0.5)) + course.lift
     raised = raised * np.sin(np.pi * swing**0.75) ** 1.3  # the heel is highest early in the swing
     # Push-off: the heel rises about the ball of the foot, then the toes come up for landing.
     flat = 0.62 if gait.duty > 0.5 else 0.4
