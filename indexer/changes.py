@@ -29,7 +29,7 @@ class Changes:
     gone : list of Known
         Files that have vanished.
     unchanged, failed_before : int
-        Files as they were, and how many of them could not be read.
+        Files as they were: those indexed, and those that could not be read.
     """
 
     read: list[Source] = field(default_factory=list)
@@ -39,6 +39,13 @@ class Changes:
     gone: list[Known] = field(default_factory=list)
     unchanged: int = 0
     failed_before: int = 0
+
+    def count_as_before(self, known: Known) -> None:
+        """Count a file that needs nothing done."""
+        if known.state == INDEXED:
+            self.unchanged += 1
+        else:
+            self.failed_before += 1
 
 
 def compare(
@@ -69,8 +76,7 @@ def compare(
         recipe = asked.recipe(rate, None if old is None else old.recipe)
         again = old is None or old.recipe != recipe or (asked.retry and old.state != INDEXED)
         if old is not None and not again and (old.size, old.mtime_ns) == (file.size, file.mtime_ns):
-            changes.unchanged += 1
-            changes.failed_before += old.state != INDEXED
+            changes.count_as_before(old)
             continue
         try:
             source = Source(root_id, file, file.hash(root), recipe)
@@ -80,8 +86,7 @@ def compare(
             continue
         if old is not None and not again and old.hash == source.hash:
             changes.touched.append((old.id, file))
-            changes.unchanged += 1
-            changes.failed_before += old.state != INDEXED
+            changes.count_as_before(old)
             continue
         origin = None
         if old is None or old.state != INDEXED:

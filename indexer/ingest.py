@@ -43,13 +43,13 @@ class Summary:
     Attributes
     ----------
     indexed, unchanged, moved, gone : int
-        Files: read and encoded, as they were, found elsewhere, vanished.
+        Files: read and encoded, indexed as they were, found elsewhere, vanished.
     failed : list of (path, reason)
         Files tried in this run that cannot be read.
     seconds : float
         How long it took.
     failed_before : int
-        Files among the unchanged that could not be read when they were tried.
+        Files as they were that could not be read when they were tried.
     warnings : list of str
         What was passed over, and why.
     interrupted : bool

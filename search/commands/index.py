@@ -43,7 +43,7 @@ def index(
     """Index the motion files in FOLDER and below; run again, and only what changed is read.
 
     Captions are taken from a .txt file of the same name and from captions.csv, .tsv or .jsonl in FOLDER. Exits with 1
-    if a file could not be read; the others are indexed all the same.
+    if a file that is new or has changed could not be read; the others are indexed all the same.
 
     \b
     Examples:
@@ -71,7 +71,7 @@ def index(
         terminal.document(asdict(summary) | {"failed": failed, "seconds": round(summary.seconds, 2)})
     else:
         report(summary)
-    return 130 if summary.interrupted else int(bool(summary.failed or summary.failed_before))
+    return 130 if summary.interrupted else int(bool(summary.failed))
 
 
 def read_joint_map(path: Path) -> dict[str, str]:
@@ -114,15 +114,15 @@ def report(summary: Summary) -> None:
     for warning in summary.warnings:
         terminal.note(f"warning: {warning}")
     if summary.failed_before:
-        terminal.note(
-            f"{summary.failed_before} files failed before and have not changed; see 'motionseek status --failed'"
-        )
+        files = "1 file" if summary.failed_before == 1 else f"{summary.failed_before} files"
+        terminal.note(f"{files} still cannot be read: 'motionseek status --failed' says why, --retry tries again")
     counts = {
         "indexed": summary.indexed,
         "unchanged": summary.unchanged,
         "moved": summary.moved,
         "gone": summary.gone,
         "failed": len(summary.failed),
+        "failed before": summary.failed_before,
     }
     said = ", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no motion files found"
     print(f"{said} ({summary.seconds:.1f} s)")

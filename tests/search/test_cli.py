@@ -117,8 +117,12 @@ def test_index_reports_what_it_did(takes: Path, run: Run, tmp_path: Path) -> Non
     assert first.document["indexed"] == 5
     assert [Path(f["path"]).name for f in first.document["failed"]] == ["broken.bvh"]
     again = run("index", takes, "--library", library, "--jobs", 1)
-    assert "unchanged" in again.out
-    assert "indexed" not in again.out
+    assert again.code == 0, "nothing failed that was not known to"
+    assert again.out.startswith("5 unchanged, 1 failed before (")
+    assert "status --failed" in again.err
+    retried = run("index", takes, "--library", library, "--jobs", 1, "--retry")
+    assert retried.code == 1
+    assert retried.out.startswith("5 unchanged, 1 failed (")
 
 
 def test_index_of_an_empty_folder(run: Run, tmp_path: Path) -> None:
