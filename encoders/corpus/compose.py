@@ -13,12 +13,13 @@ from encoders.corpus.curves import CHANNELS, Array, Curves
 from encoders.corpus.joining import at_rest, chain, overlay, pause, roam
 from encoders.corpus.programs import parts_of, program_of
 from encoders.corpus.scene import Clip, Scene, Step
+from encoders.corpus.stance import Stance, sample_stance, stand
 from encoders.corpus.style import apply_manner, carry_idle_hands, sample_individual, sample_manner
 from encoders.motion import FPS
 
 
-def act(step: Step, individual: Array, rng: Generator, frames: int = 0) -> Curves:
-    """Act one step out in a performer's own manner; `frames` is a hint.
+def act(step: Step, individual: Array, rng: Generator, frames: int = 0, stance: Stance | None = None) -> Curves:
+    """Act one step out in a performer's own manner and stance; `frames` is a hint.
 
     Raises
     ------
@@ -28,7 +29,7 @@ def act(step: Step, individual: Array, rng: Generator, frames: int = 0) -> Curve
     manner = sample_manner(step.style, individual, rng)
     curves = program_of(step.action).make(step, manner, rng, frames)
     apply_manner(curves, manner, rng)
-    return curves
+    return stand(curves, stance, rng) if stance else curves
 
 
 def compatible(*steps: Step) -> bool:
@@ -37,14 +38,15 @@ def compatible(*steps: Step) -> bool:
     return sum(map(len, parts)) == len(frozenset().union(*parts))
 
 
-def _act_group(group: Sequence[Step], individual: Array, rng: Generator) -> Curves:
+def _act_group(group: Sequence[Step], individual: Array, stance: Stance, rng: Generator) -> Curves:
     """Steps at once: the one that needs the legs (else the first) carries the others."""
     if len(group) == 1:
-        return act(group[0], individual, rng)
+        return act(group[0], individual, rng, 0, stance)
     carrier = max(range(len(group)), key=lambda i: ("legs" in parts_of(group[i]), -i))
     extras = [act(step, individual, rng) for i, step in enumerate(group) if i != carrier]
     longest = max(map(len, extras))
-    base = act(group[carrier], individual, rng, int(max(longest + rng.integers(4, 24), rng.uniform(2.0, 5.0) * FPS)))
+    frames = int(max(longest + rng.integers(4, 24), rng.uniform(2.0, 5.0) * FPS))
+    base = act(group[carrier], individual, rng, frames, stance)
     for extra in extras:
         base = overlay(base, extra, int(rng.integers(0, max(len(base) - len(extra), 0) + 1)))
     return base
@@ -76,7 +78,8 @@ def _agreeing(scene: Scene, rng: Generator) -> list[tuple[Step, ...]]:
 def act_scene(scene: Scene, rng: Generator, *, variation: float = 1.0) -> Curves:
     """Act a whole scene out by one performer; one span per step group."""
     individual = sample_individual(rng) * variation
-    movements = [_act_group(group, individual, rng) for group in _agreeing(scene, rng)]
+    stance = sample_stance(rng, variation)
+    movements = [_act_group(group, individual, stance, rng) for group in _agreeing(scene, rng)]
     movements = [
         pause(m, 0, int(rng.integers(1, 16))) if rng.random() < 0.25 * variation and at_rest(m, -1) else m
         for m in movements

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from itertools import chain
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -14,6 +16,7 @@ from encoders.corpus.facts import facts
 from encoders.corpus.language import HeldOut
 from encoders.corpus.made import made_clips
 from encoders.corpus.real import CaptionedTake, real_clips
+from encoders.corpus.recombined import recombined
 from encoders.corpus.seeds import TRAINING
 from encoders.corpus.unrelated import unrelated_sentence
 from encoders.kinds import FEATURE_KINDS, FeatureKind
@@ -60,13 +63,20 @@ def _make_shard(path: Path, seed: int, kind: str, sentences: Sequence[str], held
     made_store(path, seed, SHARD, kind, sentences, held_out)
 
 
-def real_store(takes: Iterable[CaptionedTake], kind: FeatureKind, *, varied: bool, held_out: HeldOut) -> PairStore:
-    """Pairs of captioned takes."""
+def real_store(
+    takes: Iterable[CaptionedTake], kind: FeatureKind, *, varied: bool, held_out: HeldOut, recombine: int = 0
+) -> PairStore:
+    """Pairs of captioned takes, and so many new ones put together from their pieces."""
+    takes = list(takes)
+    own = (Pair(x, captions) for take in takes for x, captions in real_clips(take, kind, varied=varied))
+    new = (
+        Pair(kind.compute(motion), true, swapped=false)
+        for motion, true, false in recombined(takes, recombine, np.random.default_rng(TRAINING))
+    )
     return PairStore(
-        Pair(features, kept)
-        for take in takes
-        for features, captions in real_clips(take, kind, varied=varied)
-        if (kept := tuple(c for c in captions if not held_out(c)))
+        replace(pair, captions=kept)
+        for pair in chain(own, new)
+        if (kept := tuple(caption for caption in pair.captions if not held_out(caption)))
     )
 
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 _FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
 _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+#: Clips put together from pieces of real ones, beside some 4,000 real ones.
+_RECOMBINED = 1500
 
 
 @click.command()
@@ -115,7 +117,8 @@ def real_stores(folder: Path, captions: Path, kind: FeatureKind, banned: HeldOut
     from encoders.tmr.material import real_store
     from indexer.captioned import captioned_takes
 
-    training = real_store(captioned_takes(folder, captions, "train"), kind, varied=True, held_out=banned)
+    takes = captioned_takes(folder, captions, "train")
+    training = real_store(takes, kind, varied=True, held_out=banned, recombine=_RECOMBINED)
     if not len(training):
         raise QueryError(f"{folder}: no take of split 'train' has a caption; see docs/training.md")
     validation = real_store(captioned_takes(folder, captions, "val"), kind, varied=False, held_out=HeldOut(()))

@@ -1,0 +1,113 @@
+"""Real clips put together anew: joined in a row, or with a made gesture laid over."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from encoders.corpus.body import OFFSETS
+from encoders.corpus.real import CaptionedSpan, CaptionedTake
+from encoders.corpus.recombined import Piece, joined_pair, laid_over, pieces, recombined, with_arms
+from encoders.motion import Motion
+from encoders.skeleton import INDEX, PARENTS
+
+ARMS = [INDEX[f"{side}_{joint}"] for side in ("left", "right") for joint in ("elbow", "wrist")]
+
+
+def standing(frames: int) -> np.ndarray:
+    """Joints (T, 22, 3) of a body in its rest pose, a metre above the ground."""
+    joints = np.zeros((22, 3), np.float32)
+    for joint, parent in enumerate(PARENTS):
+        joints[joint] = OFFSETS[joint] + (joints[parent] if parent >= 0 else [0, 1, 0])
+    return np.repeat(joints[None], frames, axis=0)
+
+
+def walking(frames: int) -> np.ndarray:
+    """The same body carried forward at a metre a second."""
+    joints = standing(frames)
+    joints[..., 2] += np.arange(frames)[:, None] / 20
+    return joints
+
+
+def turned(joints: np.ndarray, angle: float) -> np.ndarray:
+    """Turned about the vertical."""
+    c, s = np.cos(angle), np.sin(angle)
+    return joints @ np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]], np.float32)
+
+
+def arms_up(frames: int) -> np.ndarray:
+    """Both arms straight up."""
+    joints = standing(frames)
+    for side in ("left", "right"):
+        for upper, lower in (("shoulder", "elbow"), ("elbow", "wrist")):
+            joints[:, INDEX[f"{side}_{lower}"]] = joints[:, INDEX[f"{side}_{upper}"]] + [0, 0.27, 0]
+    return joints
+
+
+def test_pieces_are_captioned_parts_of_one_to_seven_seconds_said_in_few_words() -> None:
+    spans = (
+        CaptionedSpan(("walks.",), 0.0, 3.0),
+        CaptionedSpan(("walks, then sits",), 0.0, 3.0),
+        CaptionedSpan(("blinks",), 1.0, 1.5),
+        CaptionedSpan(("goes on and on",), 0.0, 9.0),
+    )
+    take = CaptionedTake("a.bvh", "1", Motion(walking(200)), "", spans)
+    assert [(len(p.joints), p.captions) for p in pieces([take])] == [(60, ("walks",))]
+
+
+def test_a_joined_pair_lasts_as_long_as_both_and_is_told_in_order() -> None:
+    first, second = Piece(walking(40), ("a man walks",)), Piece(arms_up(30), ("the person raises both arms",))
+    motion, true, false = joined_pair(first, second, np.random.default_rng(0))
+    assert len(motion.joints) == 70
+    assert all(said.index("walk") < said.index("rais") for said in true)
+    assert all(said.index("rais") < said.index("walk") for said in false)
+
+
+def test_the_second_subject_is_not_said_again() -> None:
+    pair = Piece(walking(40), ("a man walks",)), Piece(arms_up(30), ("the person is raising both arms",))
+    said = {text for seed in range(20) for text in joined_pair(*pair, np.random.default_rng(seed))[1]}
+    assert "a man walks before raising both arms" in said
+    assert not any("person" in text for text in said)
+
+
+@pytest.mark.parametrize("angle", [0.0, 2.0])
+def test_arms_go_along_with_the_trunk_they_are_moved_to(angle: float) -> None:
+    body = turned(walking(10), angle)
+    moved = with_arms(body, arms_up(10))
+    up = moved[:, INDEX["left_wrist"]] - moved[:, INDEX["left_shoulder"]]
+    assert np.allclose(up / np.linalg.norm(up, axis=1)[:, None], [0, 1, 0], atol=0.02)
+    rest = np.delete(np.arange(22), ARMS)
+    assert np.array_equal(moved[:, rest], body[:, rest])
+
+
+def test_bones_of_the_arms_keep_the_carriers_lengths() -> None:
+    body = walking(10) * 1.1
+    moved = with_arms(body, arms_up(10))
+    for upper, lower in (("shoulder", "elbow"), ("elbow", "wrist")):
+        joints = [INDEX[f"left_{upper}"], INDEX[f"left_{lower}"]]
+        lengths = [np.linalg.norm(np.diff(x[:, joints], axis=1), axis=-1) for x in (body, moved)]
+        assert lengths[1] == pytest.approx(lengths[0], abs=1e-5)
+
+
+def test_what_is_laid_over_lasts_while_both_do_and_says_both() -> None:
+    motion, true, false = laid_over(
+        Piece(walking(60), ("walks forward",)), Piece(arms_up(40), ("raises both arms",)), np.random.default_rng(1)
+    )
+    assert len(motion.joints) == 40
+    assert all("walk" in said and "rais" in said for said in true)
+    assert not false
+
+
+def test_as_many_as_asked_and_the_same_again_from_the_same_chance() -> None:
+    spans = (CaptionedSpan(("walks",), 0.0, 3.0), CaptionedSpan(("strolls",), 2.0, 6.0))
+    take = CaptionedTake("a.bvh", "1", Motion(walking(200)), "", spans)
+    runs = [list(recombined([take], 6, np.random.default_rng(3))) for _ in range(2)]
+    assert len(runs[0]) == 6
+    for (a, said_a, _), (b, said_b, _) in zip(*runs, strict=True):
+        assert said_a == said_b
+        assert np.array_equal(a.joints, b.joints)
+
+
+def test_nothing_comes_of_one_piece() -> None:
+    take = CaptionedTake("a.bvh", "1", Motion(walking(60)), "", (CaptionedSpan(("walks",), 0.0, 3.0),))
+    assert list(recombined([take], 5, np.random.default_rng(0))) == []

@@ -1,0 +1,44 @@
+"""How people stand: feet apart and one ahead, hips that shift; whoever goes somewhere is left alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from encoders.corpus.curves import LEFT, RIGHT, STAND, standing
+from encoders.corpus.stance import Stance, sample_stance, stand
+
+
+def test_feet_stand_apart_and_one_ahead_and_stay_there() -> None:
+    before = standing(40)
+    after = stand(standing(40), Stance(apart=0.1, ahead=0.06), np.random.default_rng(0))
+    moved = after.feet - before.feet
+    assert np.allclose(moved[:, LEFT], [0.1, 0, 0.03])
+    assert np.allclose(moved[:, RIGHT], [-0.1, 0, -0.03])
+
+
+def test_the_stance_turns_with_the_body() -> None:
+    curves = standing(40)
+    curves.heading[:] = np.pi / 2  # faces +X
+    after = stand(curves, Stance(ahead=0.1), np.random.default_rng(0))
+    assert np.allclose((after.feet[:, LEFT] - standing(40).feet[:, LEFT])[:, [0, 2]], [0.05, 0], atol=1e-9)
+
+
+def test_hips_shift_with_restlessness_alone() -> None:
+    still = stand(standing(100), Stance(), np.random.default_rng(0))
+    restless = stand(standing(100), Stance(restless=1.0), np.random.default_rng(0))
+    assert np.ptp(still.root, axis=0).max() == 0
+    assert 0.01 < np.ptp(restless.root[:, 0]) < 0.12
+    assert restless.root[:, 1].max() <= STAND
+
+
+def test_whoever_steps_or_lies_is_left_alone() -> None:
+    steps, lies = standing(40), standing(40)
+    steps.feet[20:, LEFT, 2] += 0.3
+    lies.root[:, 1] = 0.2
+    for curves in (steps, lies):
+        before = curves.data.copy()
+        assert np.array_equal(stand(curves, Stance(apart=0.1, restless=1.0), np.random.default_rng(0)).data, before)
+
+
+def test_without_variation_everybody_stands_at_attention() -> None:
+    assert sample_stance(np.random.default_rng(0), 0.0) == Stance()
