@@ -11,7 +11,7 @@ from posixpath import basename, splitext
 
 #: Formats of motion that people keep beside what can be read: listed as failed, not passed over in silence.
 MOTION_LIKE = frozenset(
-    {".abc", ".anim", ".bip", ".blend", ".c3d", ".csm", ".dae", ".fbx", ".glb", ".gltf", ".htr", ".mvnx", ".npz"}
+    {".abc", ".anim", ".bip", ".blend", ".c3d", ".csm", ".dae", ".fbx", ".glb", ".gltf", ".htr", ".mvnx"}
     | {".tak", ".trc", ".usd", ".usda", ".usdc", ".usdz", ".vmd", ".vrm", ".vrma"}
 )
 #: A motion's ending -> the ending of the skeletons beside it that it cannot be read without.
@@ -129,7 +129,7 @@ def walk(root: Path, warn: Callable[[str], None]) -> Iterator[Folder]:
             if not _is_utf8(path):
                 warn(f"{os.fsencode(root / path).decode(errors='replace')}: the name is not UTF-8; rename it")
             elif entry.is_symlink():
-                if entry.is_dir() or splitext(path)[1].lower() in (".bvh", ".amc", ".npy", *MOTION_LIKE):
+                if entry.is_dir() or splitext(path)[1].lower() in (".bvh", ".amc", ".npy", ".npz", *MOTION_LIKE):
                     warn(f"{root / path}: symbolic links are not followed; index what it points to by its own path")
             elif entry.is_dir(follow_symlinks=False):
                 inner.append(path)

@@ -12,10 +12,10 @@ from types import ModuleType
 import numpy as np
 
 from encoders.errors import UnreadableMotion
-from indexer.readers import amc, bvh, npy
+from indexer.readers import amc, bvh, npy, npz
 from indexer.readers.take import Take
 
-_READERS: dict[str, ModuleType] = {".bvh": bvh, ".amc": amc, ".npy": npy}
+_READERS: dict[str, ModuleType] = {".bvh": bvh, ".amc": amc, ".npy": npy, ".npz": npz}
 
 #: Endings that can be read, and what they are.
 READABLE: dict[str, str] = {ending: reader.DESCRIPTION for ending, reader in _READERS.items()}
@@ -32,7 +32,7 @@ _FOREIGN = {
 }
 _FOREIGN_ENDINGS = {
     ".fbx": "FBX", ".glb": "glTF", ".gltf": "glTF", ".c3d": "C3D", ".dae": "Collada", ".usd": "USD", ".usda": "USD",
-    ".trc": "TRC", ".vmd": "VMD", ".vrma": "VRMA", ".npz": "NPZ", ".pkl": "pickle", ".pt": "PyTorch",
+    ".trc": "TRC", ".vmd": "VMD", ".vrma": "VRMA", ".pkl": "pickle", ".pt": "PyTorch",
     ".blend": "Blender", ".csv": "CSV", ".tak": "Motive TAK", ".zip": "ZIP",
 }  # fmt: skip
 
@@ -85,6 +85,8 @@ def _reader(path: Path, data: bytes) -> ModuleType:
         return bvh
     if data.startswith(b"\x93NUMPY"):
         return npy
+    if data.startswith(b"PK") and path.suffix.lower() == ".npz":
+        return npz
     kind = next((kind for magic, kind in _FOREIGN.items() if start.startswith(magic)), None)
     if kind is None and b"\0" not in start:
         if b":bonedata" in data[:65536].lower():

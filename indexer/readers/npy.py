@@ -26,7 +26,17 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
     UnreadableMotion
         If the array has another shape, holds objects, or is shorter than its header says.
     """
-    array = load_array(path, data)
+    return take_of(path, load_array(path, data), fps)
+
+
+def take_of(path: str | PathLike[str], array: NDArray[np.float64], fps: float | None) -> Take:
+    """A take of an array of joints or features, at 20 frames a second where none are given.
+
+    Raises
+    ------
+    UnreadableMotion
+        If it has another shape.
+    """
     if array.ndim == 2 and array.shape[1] == FEATURES:
         from encoders.features import features_to_joints
 
@@ -45,6 +55,26 @@ def joints_take(joints: NDArray[np.float64], fps: float) -> Take:
 
 def load_array(path: str | PathLike[str], data: bytes) -> NDArray[np.float64]:
     """The array of a `.npy` file as float64, checked before anything is allocated."""
+    shape = _checked_shape(path, data)
+    if len(shape) not in (2, 3) or shape[0] == 0:
+        raise UnreadableMotion(path, f"an array of shape {shape} is no motion; it must be {SHAPES}")
+    array: NDArray[np.float64] = np.load(io.BytesIO(data), allow_pickle=False).astype(np.float64)
+    if not np.isfinite(array).all():
+        frame = int(np.argwhere(~np.isfinite(array))[0, 0]) + 1
+        raise UnreadableMotion(path, f"frame {frame} holds values that are no numbers")
+    return array
+
+
+def load_number(path: str | PathLike[str], data: bytes) -> float:
+    """The one number of a `.npy` file."""
+    shape = _checked_shape(path, data)
+    if shape not in ((), (1,)):
+        raise UnreadableMotion(path, f"an array of shape {shape} is no number")
+    return float(np.load(io.BytesIO(data), allow_pickle=False).reshape(()))
+
+
+def _checked_shape(path: str | PathLike[str], data: bytes) -> tuple[int, ...]:
+    """The shape a header announces, of numbers that are all there."""
     stream = io.BytesIO(data)
     try:
         version = np.lib.format.read_magic(stream)
@@ -54,14 +84,7 @@ def load_array(path: str | PathLike[str], data: bytes) -> NDArray[np.float64]:
         raise UnreadableMotion(path, f"the array's header is damaged: {error}") from None
     if dtype.hasobject or dtype.kind not in "fiu":
         raise UnreadableMotion(path, f"an array of {dtype} is no motion; numbers are needed")
-    if len(shape) not in (2, 3) or shape[0] == 0:
-        raise UnreadableMotion(path, f"an array of shape {shape} is no motion; it must be {SHAPES}")
     need = int(np.prod([int(n) for n in shape], dtype=object)) * dtype.itemsize
     if need > len(data) - stream.tell():
         raise UnreadableMotion(path, f"the array is cut short: shape {shape} needs {need} bytes")
-    stream.seek(0)
-    array: NDArray[np.float64] = np.load(stream, allow_pickle=False).astype(np.float64)
-    if not np.isfinite(array).all():
-        frame = int(np.argwhere(~np.isfinite(array))[0, 0]) + 1
-        raise UnreadableMotion(path, f"frame {frame} holds values that are no numbers")
-    return array
+    return tuple(shape)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import os
 import re
@@ -13,7 +14,7 @@ import pytest
 from encoders.errors import UnreadableMotion
 from encoders.skeleton import JOINTS
 from indexer import load_motion
-from indexer.readers import READABLE, read_take
+from indexer.readers import READABLE, npz, read_take
 from tests.indexer.acting import bvh, performance
 
 
@@ -66,6 +67,59 @@ def test_arrays_that_are_no_motion(tmp_path: Path, data: bytes, said: str) -> No
     path = tmp_path / "a.npy"
     path.write_bytes(data)
     assert re.search(said, reason(path))
+
+
+def archived(packed: bool = True, **arrays: np.ndarray | float) -> bytes:
+    stream = io.BytesIO()
+    (np.savez_compressed if packed else np.savez)(stream, **arrays)
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize("packed", [True, False])
+@pytest.mark.parametrize(("more", "fps"), [({"fps": 30.0}, 30), ({"fps": np.array([30])}, 30), ({}, 20)])
+def test_archives_of_joints_with_their_rate(tmp_path: Path, packed: bool, more: dict[str, float], fps: float) -> None:
+    joints = np.random.default_rng(0).normal(size=(5, 22, 3)).astype(np.float32)
+    path = tmp_path / "a.npz"
+    path.write_bytes(archived(packed, joints=joints, unrelated=np.array(["x"]), **more))
+    take = read_take(path)
+    assert (take.names, take.fps) == (JOINTS, fps)
+    np.testing.assert_array_equal(take.positions, joints)
+    assert read_take(path, fps=60).fps == 60
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (archived(poses=np.zeros((5, 156)), trans=np.zeros((5, 3))), "no array 'joints'.*but poses, trans"),
+        (archived(joints=np.zeros((5, 21, 3))), "shape"),
+        (archived(joints=np.array([{"a": 1}], dtype=object)), "object"),
+        (archived(joints=np.zeros((5, 22, 3)), fps=np.array([{}], dtype=object)), "object"),
+        (archived(joints=np.zeros((5, 22, 3)), fps=np.zeros(2)), "no number"),
+        (archived(joints=np.zeros((5, 22, 3)), fps=-3.0), "no frame rate"),
+        (archived(joints=np.zeros((5, 22, 3)), fps=np.nan), "no frame rate"),
+        (archived(joints=np.zeros((5, 22, 3)))[:-30], "damaged"),
+        (archived(False, joints=np.ones((5, 22, 3))).replace(b"\xf0?", b"\xf1?", 1), "damaged"),
+        (b"PK\x03\x04rubbish", "damaged"),
+        (archived(joints=np.zeros((1000, 22, 3))), "larger than"),
+    ],
+)
+def test_archives_that_are_no_motion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, data: bytes, said: str) -> None:
+    monkeypatch.setattr(npz, "MAX_BYTES", 100_000)
+    path = tmp_path / "a.npz"
+    path.write_bytes(data)
+    assert re.search(said, reason(path))
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_damaged_archive_is_refused_or_read(tmp_path: Path, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    data = bytearray(archived(joints=rng.normal(size=(5, 22, 3)), fps=30.0))
+    for place in rng.integers(len(data), size=3):
+        data[place] = rng.integers(256)
+    path = tmp_path / "a.npz"
+    path.write_bytes(data)
+    with contextlib.suppress(UnreadableMotion):
+        read_take(path)
 
 
 @pytest.mark.parametrize(

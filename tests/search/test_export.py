@@ -84,6 +84,16 @@ def test_arrays_hold_the_frames_of_the_cut(tmp_path: Path, ending: str) -> None:
     np.testing.assert_array_equal(joints, motion.joints[20:40])
 
 
+@pytest.mark.parametrize("ending", [".npy", ".npz"])
+def test_what_was_written_is_read_as_the_same_movement(tmp_path: Path, ending: str) -> None:
+    motion = made_motion(5, 2)
+    write_cut(Source.of_motion(motion), tmp_path / f"cut{ending}")
+    take = read_take(tmp_path / f"cut{ending}")
+    assert (take.names, take.fps) == (JOINTS, motion.fps)
+    np.testing.assert_array_equal(take.positions, motion.joints)
+    assert len(load_motion(tmp_path / f"cut{ending}")) == len(motion)
+
+
 def test_frames_that_share_lines_cannot_be_cut(tmp_path: Path) -> None:
     path = tmp_path / "one line.bvh"
     with path.open("wb") as file:
