@@ -19,7 +19,8 @@ from encoders.corpus.scene import Scene, Step
 _KINDS_OF = {
     "jog": "run", "sprint": "run", "limp": "walk", "sneak": "walk", "tiptoe": "walk", "march": "walk",
     "stagger": "walk", "crouch walk": "walk", "shuffle": "walk", "drag leg": "walk",
-    "balance beam": "walk", "hop": "jump", "leap": "jump",
+    "balance beam": "walk", "take steps": "walk", "walk half circle": "walk", "walk figure eight": "walk",
+    "get pushed": "stumble", "hop": "jump", "leap": "jump",
     "spin jump": "jump", "jump over": "jump", "hurdle": "jump", "army crawl": "crawl", "pivot": "turn",
 }  # fmt: skip
 _PARTICULARS = tuple(f.name for f in fields(Step) if f.name != "action")

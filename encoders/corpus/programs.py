@@ -27,6 +27,8 @@ Make = Callable[[Step, Manner, Generator, int], Curves]
 MODULES = (
     "locomotion",
     "turning",
+    "stepping",
+    "paths",
     "unsteady",
     "jumps",
     "climbing",
@@ -40,6 +42,7 @@ MODULES = (
     "objects",
     "dance",
     "exercise",
+    "stretching",
 )
 #: The module of programs that are only measured with.
 HELD_OUT = "unseen.actions"

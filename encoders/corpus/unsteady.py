@@ -1,4 +1,4 @@
-"""Gaits out of balance or off the ground's grip: stagger, stumble, beam, moonwalk, skates."""
+"""Gaits out of balance or off the ground's grip: stagger, stumble, push, beam, moonwalk, skates."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import Generator
 
-from encoders.corpus.courses import effort, go, seconds, travel
-from encoders.corpus.curves import LEFT, LEGS, RIGHT, Curves
-from encoders.corpus.gait import PAD, Gait, step_along
+from encoders.corpus.courses import TURN, effort, go, seconds, travel
+from encoders.corpus.curves import BODY, LEFT, LEGS, RIGHT, Curves, frames_of
+from encoders.corpus.gait import PAD, Course, Gait, gait_phase, step_along
 from encoders.corpus.programs import program
 from encoders.corpus.scene import Step
 from encoders.corpus.style import Manner
@@ -62,6 +62,53 @@ def stumble(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
     curves.hands[..., 0] += 0.4 * flung
     curves.hands[..., 1] += 0.55 * flung
     curves.hands[..., 2] += 0.45 * flung
+    return curves
+
+
+#: Where a push throws the body: chest pitched forward, and to the left; radians.
+_THROWN = {"forward": (0.55, 0.0), "backward": (-0.5, 0.0), "left": (0.05, 0.5), "right": (0.05, -0.5)}
+
+
+@program(
+    "get pushed", group="locomotion", parts=BODY, directions=("forward", "backward", "left", "right"), counts=(1, 3),
+    weight=1.2,
+)  # fmt: skip
+def get_pushed(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+    """Stand, be pushed that way, reel some steps with flung arms, and find the balance again."""
+    direction = step.direction or str(rng.choice(list(_THROWN)))
+    count = step.count or 1
+    lasts = rng.uniform(1.4, 2.2)
+    frames = max(frames, frames_of(lasts * count + rng.uniform(0.8, 2.0)))
+    now = seconds(frames)
+    starts = rng.uniform(0.3, 0.8) + lasts * np.arange(count)
+    since = now[:, None] - starts
+    burst = np.where(since > 0, np.square(since / 0.3) * np.exp(-since / rng.uniform(0.2, 0.35)), 0.0).sum(axis=1)
+    burst /= max(float(burst.max()), 1e-6)
+    far = rng.uniform(0.35, 1.3) * (0.7 if direction in ("left", "right") else 1.0)
+    speed = far * count / max(float(burst.sum()) / FPS, 0.1) * burst
+    angle = TURN[direction] + rng.normal(0.0, 0.15)
+    way = np.cumsum(speed) / FPS
+    root = (way - way[PAD])[:, None] * np.array([np.sin(angle), np.cos(angle)])
+    going = np.minimum(burst * 1.5, 1.0)
+    phase = gait_phase(rng.uniform(2.4, 3.4) * np.sqrt(going), rng.choice([0.3, 0.8]), manner)
+    gait = Gait(speed=1.0, cadence=2.6, lift=rng.uniform(0.06, 0.14), push=0.3, arms=0.15, width=0.11, duty=0.58)
+    facing = rng.normal(0.0, 0.2) * np.cumsum(burst) / max(float(burst.sum()), 1e-6)
+    curves = step_along(Course(root, facing - facing[PAD], going, phase), gait, manner)
+    jolt = burst[PAD:-PAD]
+    recoil = np.concatenate([np.zeros(7), jolt[:-7]])
+    pitch, roll = (rng.uniform(0.5, 1.2) * angle for angle in _THROWN[direction])
+    ahead, aside = jolt - rng.uniform(0.2, 0.6) * recoil, jolt - rng.uniform(0.0, 0.4) * recoil
+    curves.pelvis[:, 0] += 0.35 * pitch * ahead
+    curves.spine[:, 0] += 0.65 * pitch * ahead
+    curves.head[:, 0] -= rng.uniform(0.3, 0.9) * pitch * jolt  # the head lags behind
+    curves.pelvis[:, 1] += 0.4 * roll * aside
+    curves.spine[:, 1] += 0.6 * roll * aside
+    curves.root[:, 1] -= rng.uniform(0.03, 0.12) * recoil
+    flung = recoil[:, None] * rng.uniform(0.3, 1.0, 2)
+    curves.hands[..., 0] += 0.45 * flung
+    curves.hands[..., 1] += 0.45 * flung
+    curves.hands[..., 2] += rng.uniform(0.1, 0.5) * flung
+    curves.parts = BODY
     return curves
 
 
