@@ -10,6 +10,7 @@ from numpy.random import Generator
 
 from encoders.corpus.body import pose, random_geometry
 from encoders.corpus.curves import CHANNELS, Array, Curves
+from encoders.corpus.ends import begin_and_end
 from encoders.corpus.joining import at_rest, chain, overlay, pause, roam
 from encoders.corpus.programs import parts_of, program_of
 from encoders.corpus.scene import Clip, Scene, Step
@@ -87,9 +88,7 @@ def act_scene(scene: Scene, rng: Generator, *, variation: float = 1.0) -> Curves
     curves = chain(movements)
     if rng.random() < 0.06 * variation:
         carry_idle_hands(curves, rng)
-    before = int(rng.exponential(12)) if rng.random() < 0.5 * variation and at_rest(curves, 0) else 0
-    after = int(rng.exponential(12)) if rng.random() < 0.5 * variation and at_rest(curves, -1) else 0
-    return pause(curves, min(before, 50), min(after, 50))
+    return begin_and_end(curves, scene, rng, variation)
 
 
 #: Slow unsteadiness of each channel: metres, radians, arm lengths.
