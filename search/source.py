@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from functools import cached_property
 from os import PathLike, fspath
 from pathlib import Path
@@ -18,6 +19,9 @@ from indexer import load_motion
 from indexer.clips import Caption, Clip
 from indexer.library import Library
 from indexer.windows import Windows, ends_of, grid
+
+#: Names held against one that no clip has.
+_LOOKED_THROUGH = 5000
 
 
 @dataclass(frozen=True)
@@ -148,9 +152,28 @@ def find_source(ref: str | PathLike[str], library: Library | None) -> Source:
     UnreadableMotion, LibraryError
         If it names nothing, or a file that cannot be read.
     """
+    path = Path(ref)
+    if path.is_dir() and (library is None or not library.ids("clips.name = ?", [fspath(ref)]).size):
+        raise UnreadableMotion(ref, "this is a folder; name a file in it, or a clip of a library by path, name or #id")
     if library is None:
-        if not Path(ref).exists():
+        if not path.exists():
             raise UnreadableMotion(ref, "there is no such file; to name a clip of a library, add --library FOLDER")
         return Source.of_file(ref)
-    clip = find_clip(library, ref)
+    try:
+        clip = find_clip(library, ref)
+    except LibraryError as error:
+        raise LibraryError(f"{error}{_perhaps(library, fspath(ref))}") from None
     return Source.of_file(ref) if clip is None else Source.of_clip(library, clip)
+
+
+def _perhaps(library: Library, ref: str) -> str:
+    """What may have been meant by a reference that names no clip, or several."""
+    if library.ids("clips.name = ?", [ref]).size:
+        return ""
+    clips = library.clips(library.ids()[:_LOOKED_THROUGH]).values()
+    if ref.isdigit() and int(ref) in (clip.id for clip in clips):
+        return f"; did you mean '#{ref}'?"
+    meant = {name: clip.path for clip in clips for name in (clip.path, clip.name)}
+    near = dict.fromkeys(meant[name] for name in get_close_matches(ref, meant, n=3))
+    missing = "" if ref.startswith("#") else ", and no such file"
+    return f"{missing}; did you mean {' or '.join(near)}?" if near else missing

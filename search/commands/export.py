@@ -28,7 +28,7 @@ def export(
     \b
     Examples:
       motionseek export long_take.bvh sits.bvh --start 12.4 --end 15
-      motionseek export '#17' wave.npz
+      motionseek export fights/wave_03.bvh wave.npz
     """
     from search import terminal
     from search.export import WRITERS, write_cut

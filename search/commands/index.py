@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -70,7 +71,7 @@ def index(
         failed = [{"path": path, "reason": reason} for path, reason in summary.failed]
         terminal.document(asdict(summary) | {"failed": failed, "seconds": round(summary.seconds, 2)})
     else:
-        report(summary)
+        report(summary, library or folders[0])
     return 130 if summary.interrupted else int(bool(summary.failed))
 
 
@@ -105,9 +106,11 @@ def progress_bar() -> Iterator[Callable[[int, int, str], None]]:
         yield update
 
 
-def report(summary: Summary) -> None:
-    """Print what a run did: failures and warnings on stderr, the sum on stdout."""
+def report(summary: Summary, place: str) -> None:
+    """Print what a run did to the library of `place`: failures and warnings on stderr, the sum on stdout."""
     from search import terminal
+
+    status = f"'motionseek status --failed {shlex.quote(place)}'"
 
     for path, reason in summary.failed:
         terminal.note(f"failed: {path}: {reason}")
@@ -115,7 +118,7 @@ def report(summary: Summary) -> None:
         terminal.note(f"warning: {warning}")
     if summary.failed_before:
         files = "1 file" if summary.failed_before == 1 else f"{summary.failed_before} files"
-        terminal.note(f"{files} still cannot be read: 'motionseek status --failed' says why, --retry tries again")
+        terminal.note(f"{files} still cannot be read: {status} says why, --retry tries again")
     counts = {
         "indexed": summary.indexed,
         "unchanged": summary.unchanged,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -59,14 +60,16 @@ def open_source(ref: str, folder: str | None) -> Iterator[tuple[Bundle, Source, 
     """The model, the file or clip a command means, and the library; None where a file is asked about without one."""
     from encoders.bundle import Bundle
     from encoders.errors import LibraryError
+    from search.locate import VARIABLE
     from search.source import find_source
 
     try:
         library = open_library(folder)
     except LibraryError:
-        if folder is not None or not Path(ref).is_file():
+        if (folder or os.environ.get(VARIABLE)) and not Path(ref).is_file():
             raise
-        yield Bundle.load(), find_source(ref, None), None
+        source = find_source(ref, None)
+        yield Bundle.load(), source, None
         return
     with library:
         yield library.bundle, find_source(ref, library), library

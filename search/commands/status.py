@@ -10,20 +10,23 @@ from search.commands import options
 
 
 @click.command()
+@click.argument("place", metavar="[FOLDER]", required=False, type=click.Path(exists=True, file_okay=False))
 @click.option("--failed", is_flag=True, help="List the files that could not be indexed, with the reason.")
 @options.library
 @options.as_json
-def status(failed: bool, folder: str | None, as_json: bool) -> None:
-    """Show what the library holds.
+def status(place: str | None, failed: bool, folder: str | None, as_json: bool) -> None:
+    """Show what the library of FOLDER holds; without FOLDER, of the nearest one upward from here.
 
     \b
     Examples:
-      motionseek status
-      motionseek status --failed --library my_mocap
+      motionseek status my_mocap/
+      motionseek status --failed
     """
     from search import terminal
 
-    with options.open_library(folder) as library:
+    if place is not None and folder is not None:
+        raise click.UsageError("FOLDER and --library both name the library; give one")
+    with options.open_library(place or folder) as library:
         if failed:
             failures = library.failures()
             if as_json:

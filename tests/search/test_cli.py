@@ -229,6 +229,50 @@ def test_status(indexed: Path, run: Run) -> None:
     assert [Path(f["path"]).name for f in failed] == ["broken.bvh"]
 
 
+def test_status_takes_a_folder(indexed: Path, run: Run, tmp_path: Path) -> None:
+    assert run("status", indexed, "--json").document["clips"] == 5
+    assert run("status", indexed / ".motionseek", "--json").document["clips"] == 5
+    both = run("status", indexed, "--library", indexed)
+    assert (both.code, both.err.count("\n")) == (2, 1)
+    none = run("status", tmp_path)
+    assert (none.code, none.err.count("\n")) == (1, 1)
+    assert f"motionseek index {tmp_path}" in none.err
+
+
+@pytest.mark.parametrize("command", ["describe", "similar", "moments", "export", "segment"])
+@pytest.mark.parametrize(
+    ("ref", "said"),
+    [
+        ("deep er", "this is a folder; name a file in it"),
+        ("tak 1", "no such file; did you mean take 1.npy"),
+        ("xyz.bvh", "no such file"),
+        ("2", "did you mean '#2'?"),
+        ("#77", "no clip #77"),
+    ],
+)
+def test_what_names_no_clip_says_what_to_do(
+    indexed: Path, run: Run, monkeypatch: pytest.MonkeyPatch, command: str, ref: str, said: str
+) -> None:
+    monkeypatch.chdir(indexed)
+    arguments = {"moments": ["walks", ref], "export": [ref, "x.npz"]}.get(command, [ref])
+    ran = run(command, *arguments)
+    assert (ran.code, ran.err.count("\n")) == (1, 1), ran.err
+    assert said in ran.err
+
+
+def test_without_a_library_a_file_must_be_there(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert "no such file" in run("describe", "walk.bvh").err
+    assert "this is a folder" in run("describe", ".").err
+
+
+def test_an_exported_archive_is_a_clip_again(indexed: Path, run: Run, tmp_path: Path) -> None:
+    run("export", "take 3", tmp_path / "cut.npz", "--start", 2, "--end", 5, "--library", indexed)
+    found = run("similar", tmp_path / "cut.npz", "--moments", "--library", indexed, "--json", "-k", 1).document["hits"]
+    assert found[0]["path"] == "take 3.npy"
+    assert run("index", tmp_path, "--json", "--jobs", 1).document["indexed"] == 1
+
+
 def test_model_info(run: Run) -> None:
     assert {"name", "fingerprint", "licence", "latent_size"} <= set(run("model", "info", "--json").document)
 
