@@ -80,6 +80,12 @@ class Motion:
         weight = (at - low).astype(np.float32)[:, None, None]
         return Motion(self.joints[low] * (1 - weight) + self.joints[high] * weight, fps)
 
+    def _repr_html_(self) -> str:
+        """The motion, moving, in a notebook."""
+        from encoders.player import player
+
+        return player([(self, f"{self.duration:.1f} s")])
+
     def mirror(self) -> Motion:
         """Left and right swapped, x flipped."""
         return Motion(self.joints[:, MIRROR] * np.array([-1, 1, 1], np.float32), self.fps)

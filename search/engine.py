@@ -17,7 +17,7 @@ from indexer.library import Library
 from search.dense import Vectors
 from search.evidence import Evidence, best_evidence, best_spans, likeliest
 from search.filters import Filters
-from search.hits import Hit, Step
+from search.hits import Hit, Hits, Step
 from search.likeness import LONGEST, LOOKED_AT, likeness
 from search.moments import OVERLAP, Moment, overlap, sharpen, usual_level
 from search.question import Question
@@ -171,10 +171,10 @@ class SearchableLibrary(Library):
     def _hits(self, query: Vectors, evidence: list[Evidence], *, asked: str) -> list[Hit]:
         strengths = judge(self.bundle, query, [e.score for e in evidence], asked=asked)
         clips = self.clips([e.clip_id for e in evidence])
-        return [
+        return Hits(
             self._hit(rank, clips[e.clip_id], _span(e, clips[e.clip_id].duration), strength)
             for rank, (e, strength) in enumerate(zip(evidence, strengths, strict=True), start=1)
-        ]
+        )
 
     def _moment_hits(
         self, question: Question, queries: Vectors, k: int, allowed: Ids | None, *, asked: str = "sentence"
@@ -187,10 +187,10 @@ class SearchableLibrary(Library):
         )
         clips = self.clips([clip_id for clip_id, *_ in found])
         strengths = judge(self.bundle, queries.mean(axis=0), [moment.score for _, moment, _ in found], asked=asked)
-        return [
+        return Hits(
             self._hit(rank, clips[clip_id], moment, strength, steps)
             for rank, ((clip_id, moment, steps), strength) in enumerate(zip(found, strengths, strict=True), start=1)
-        ]
+        )
 
     def _best_moments(self, queries: Vectors, k: int, allowed: Ids | None) -> list[Located]:
         """Windows of all clips say where; each place is then looked at closely."""
@@ -226,7 +226,13 @@ class SearchableLibrary(Library):
     def _hit(self, rank: int, clip: Clip, moment: Moment, strength: str, steps: tuple[Step, ...] = ()) -> Hit:
         end = min(moment.end, clip.duration)
         said = caption(self.captions(clip.id), moment)
-        return Hit(rank, clip.path, moment.score, strength, moment.start, end, clip.duration, said, clip.id, steps)
+
+        def read() -> Motion:
+            return self.motion(clip.id, moment.start, end)
+
+        return Hit(
+            rank, clip.path, moment.score, strength, moment.start, end, clip.duration, said, clip.id, steps, read
+        )
 
 
 def _span(evidence: Evidence, duration: float) -> Moment:

@@ -14,7 +14,7 @@ from indexer.windows import LENGTHS as STORED_LENGTHS
 from indexer.windows import OVERLAP
 from search.chains import best_chain, candidates, sharpen_chain, whole
 from search.dense import Scored, Vectors, curve, join
-from search.hits import Hit, Step
+from search.hits import Hit, Hits, Step
 from search.moments import Moment, Region, propose, score_stored, sharpen, usual_level
 from search.question import Question
 from search.refine import frame_curve
@@ -37,10 +37,10 @@ def moments_in(bundle: Bundle, source: Source, question: Question, k: int) -> li
     queries = question.encode(bundle)
     found = find(bundle, source, question, queries, k)
     strengths = judge(bundle, queries.mean(axis=0), [moment.score for moment, _ in found])
-    return [
+    return Hits(
         hit(rank, source, moment, strength, steps)
         for rank, ((moment, steps), strength) in enumerate(zip(found, strengths, strict=True), start=1)
-    ]
+    )
 
 
 def find(bundle: Bundle, source: Source, question: Question, queries: Vectors, k: int) -> list[Found]:
@@ -80,10 +80,15 @@ def region_of(bundle: Bundle, source: Source) -> Region:
 
 def hit(rank: int, source: Source, moment: Moment, strength: str, steps: tuple[Step, ...] = ()) -> Hit:
     """A span of a motion as an answer."""
-    end = min(moment.end, source.duration)
+    duration = source.duration
+    end = min(moment.end, duration)
     said = caption(source.captions, moment)
+
+    def read() -> Motion:
+        return source.cut(moment.start, end)
+
     return Hit(
-        rank, source.path, moment.score, strength, moment.start, end, source.duration, said, source.clip_id, steps
+        rank, source.path, moment.score, strength, moment.start, end, duration, said, source.clip_id, steps, read
     )
 
 

@@ -1,0 +1,71 @@
+"""Hits: what they say of themselves, and how they show themselves in a notebook."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from encoders.bundle import Bundle
+from search import takes
+from search.engine import SearchableLibrary
+from search.hits import Hit, Hits
+from search.moments import Moment
+
+
+@pytest.fixture
+def library(indexed: Path, tiny_bundle: Path) -> SearchableLibrary:
+    return SearchableLibrary.open(indexed, bundle=Bundle.load(tiny_bundle, threads=1))
+
+
+def test_every_question_answers_with_hits_that_show_themselves(library: SearchableLibrary) -> None:
+    with library:
+        for found in (
+            library.search("walks", 3),
+            library.moments("walks", k=3),
+            library.moments("walks", "take 2", 3),
+            library.similar("take 1", 3),
+        ):
+            assert isinstance(found[:2], Hits)
+            html = found[:3]._repr_html_()
+            assert html is not None
+            assert html.count("data-motionseek=") == len(found) > 0
+            assert html.count("<script>") == 1
+
+
+def test_a_hit_shows_its_own_span(library: SearchableLibrary) -> None:
+    with library:
+        hit = takes.hit(1, library.source("take 3"), Moment(2.0, 5.5, 0.4), "")
+        assert hit.read is not None
+        assert hit.read().duration == pytest.approx(hit.end - hit.start, abs=0.06)
+        html = hit._repr_html_()
+    assert html is not None
+    assert f"{hit.start:.1f}–{hit.end:.1f} s" in html
+
+
+def test_after_the_library_is_closed_only_text_is_left(library: SearchableLibrary) -> None:
+    with library:
+        found = library.search("walks", 2)
+    assert found[0]._repr_html_() is None
+    assert Hits(found)._repr_html_() is None
+
+
+def test_a_hit_of_nothing_that_can_be_read_is_text() -> None:
+    hit = Hit(1, "a.bvh", 0.5, "", 0, 1, 1)
+    assert hit._repr_html_() is None
+    assert "read" not in repr(hit)
+
+
+def test_hits_are_equal_when_they_say_the_same(library: SearchableLibrary) -> None:
+    with library:
+        assert library.search("walks", 2) == library.search("walks", 2)
+        assert dataclasses.asdict(library.search("walks", 1)[0])["rank"] == 1
+
+
+def test_a_long_list_says_how_many_it_leaves_out(library: SearchableLibrary) -> None:
+    with library:
+        html = Hits(library.search("walks", 1) * 30)._repr_html_()
+    assert html is not None
+    assert html.count("data-motionseek=") == 24
+    assert "and 6 more" in html
