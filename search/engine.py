@@ -14,23 +14,22 @@ from encoders.errors import QueryError
 from encoders.motion import Motion
 from indexer.clips import Clip
 from indexer.library import Library
+from search.anywhere import best_moments
 from search.dense import Vectors
-from search.evidence import Evidence, best_evidence, best_spans, likeliest
+from search.evidence import Evidence, best_evidence, likeliest
 from search.filters import Filters
 from search.hits import Hit, Hits, Step
 from search.likeness import LONGEST, LOOKED_AT, likeness
-from search.moments import OVERLAP, Moment, overlap, sharpen, usual_level
+from search.moments import Moment
 from search.question import Question
 from search.source import Source, find_clip, find_source
 from search.strength import judge
-from search.takes import caption, coarse_windows, describe_motion, find, moments_in, region_of
+from search.takes import caption, describe_motion, find, moments_in
 
 Ref: TypeAlias = "str | PathLike[str] | Motion | Source"
 Ids = NDArray[np.int64]
 Located = tuple[int, Moment, tuple[Step, ...]]
 
-#: Places looked at, at most, when the whole library is asked for moments, for each answer asked for.
-_PLACES = 4
 #: Clips asked by themselves when several sentences are asked of the whole library, for each answer asked for.
 _ASKED = 2
 
@@ -194,25 +193,12 @@ class SearchableLibrary(Library):
 
     def _best_moments(self, queries: Vectors, k: int, allowed: Ids | None) -> list[Located]:
         """Windows of all clips say where; each place is then looked at closely."""
-        places = best_spans(self, queries[0], _PLACES * k, allowed=allowed)
-        found: list[Located] = []
-        while places and len(found) < k:  # places side by side may turn out to be one
-            found += self._sharpened(places[:k], queries, [(clip, moment) for clip, moment, _ in found])
-            places = places[k:]
-        return sorted(found, key=lambda entry: -entry[1].score)[:k]
 
-    def _sharpened(self, places: list[Evidence], queries: Vectors, known: list[tuple[int, Moment]]) -> list[Located]:
-        """The moments at these places that overlap none of those known."""
-        found: list[Located] = []
-        for clip_id in dict.fromkeys(place.clip_id for place in places):
-            source = Source.of_clip(self, self.clip(clip_id))
-            level = usual_level(self.bundle, coarse_windows(self.bundle, source, queries), queries)
-            here = [Moment(p.start or 0.0, p.end or 0.0, p.score) for p in places if p.clip_id == clip_id]
-            region = region_of(self.bundle, source)
-            near = sharpen(self.bundle, region, self.bundle.fps, queries, here, level, len(here))
-            taken = [moment for clip, moment in known if clip == clip_id]
-            found += [(clip_id, m, ()) for m in near if not any(overlap(m, other) > OVERLAP for other in taken)]
-        return found
+        def source_of(clip_id: int) -> Source:
+            return Source.of_clip(self, self.clip(clip_id))
+
+        found = best_moments(self.bundle, self, source_of, queries, k, allowed=allowed)
+        return [(clip_id, moment, ()) for clip_id, moment in found]
 
     def _best_answers(self, question: Question, queries: Vectors, k: int, allowed: Ids | None) -> list[Located]:
         """The clips in which all sentences are likely, each asked by itself."""

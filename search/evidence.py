@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,18 @@ WINDOW_MARGIN = 0.02
 #: Windows fetched for each clip asked for, doubled until they name enough clips.
 _PER_CLIP = 16
 _MOST_WINDOWS = 16384
+
+
+class WindowGallery(Protocol):
+    """The windows of many clips, as `indexer.library.Library` has them."""
+
+    def __len__(self) -> int:
+        """How many clips."""
+
+    def nearest_windows(
+        self, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
+    ) -> tuple[Vectors, NDArray[np.int64], Vectors, Vectors]:
+        """Scores, clip ids, starts and ends, each (Q, k); id -1 where there are fewer."""
 
 
 @dataclass(frozen=True)
@@ -76,13 +89,15 @@ def likeliest(library: Library, queries: Vectors, k: int, *, allowed: NDArray[np
     return sorted(totals, key=lambda clip: -totals[clip])[:k]
 
 
-def best_spans(library: Library, query: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None) -> list[Evidence]:
+def best_spans(
+    gallery: WindowGallery, query: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
+) -> list[Evidence]:
     """The k best windows of all clips for a unit vector (D,) of which no two overlap, best first."""
-    if k < 1 or len(library) == 0 or (allowed is not None and len(allowed) == 0):
+    if k < 1 or len(gallery) == 0 or (allowed is not None and len(allowed) == 0):
         return []
     count = _PER_CLIP * k
     while True:
-        scores, ids, starts, ends = (a[0] for a in library.nearest_windows(query[None], count, allowed=allowed))
+        scores, ids, starts, ends = (a[0] for a in gallery.nearest_windows(query[None], count, allowed=allowed))
         real = ids >= 0
         value = fitness(scores[real], ends[real] - starts[real])
         # One time line for all clips, far enough apart that spans of different clips never overlap.

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _PROTOCOLS = ("labels", "described", "corpus", "nonsense", "moments")
 _FILE = click.Path(path_type=Path)
+_COMPOSED = "made takes"
 
 
 @click.command()
@@ -28,7 +29,7 @@ _FILE = click.Path(path_type=Path)
 @click.option("--split", default="val", show_default=True, help="Split of the captioned takes to ask about.")
 @click.option("--labelled", type=_FILE, help="Folder with labels.tsv and queries.tsv, for moments in joined clips.")
 @click.option("--segments", type=_FILE, help='JSON, {trial: [{"start", "end", "label"}]}: what people marked in takes.')
-@click.option("--count", type=click.IntRange(1), help="Made clips in the gallery (4000), or takes with moments (100).")
+@click.option("--count", type=click.IntRange(1), help="Made clips in the gallery (4000), or made takes (300).")
 @click.option("--bundle", "place", type=click.Path(exists=True, file_okay=False), help="Another model's folder.")
 @options.as_json
 def evaluate(
@@ -49,8 +50,9 @@ def evaluate(
     labels: rank all labelled clips of FOLDER for each query of each label, by average precision.
     described: the rank of the best file for each description in FOLDER's manifest.tsv, and for what people wrote.
     corpus: retrieval among made clips nobody trained on. nonsense: how often sentences about other things are
-    called strong. moments: how well sentences are found in long takes, beside the paper's way: in made takes, and with
-    FOLDER and --captions in takes joined from its clips and where people marked them.
+    called strong. moments: how well sentences are found in long takes, beside the paper's way, as Markdown: in made
+    takes of actions held out of training; with FOLDER and --captions in a third as many takes joined from its clips
+    (and those of --labelled) and where people wrote of parts of takes; with --segments where they timed labels.
 
     \b
     Examples:
@@ -71,7 +73,7 @@ def evaluate(
     elif protocol == "corpus":
         _show(_corpus(count or 4000, bundle), as_json)
     elif protocol == "moments":
-        _moments(count or 100, folder, captions, split, labelled, segments, bundle, as_json)
+        _moments(count or 300, folder, captions, split, labelled, segments, bundle, as_json)
     else:
         _show({"out of domain": _nonsense(bundle)}, as_json)
 
@@ -138,23 +140,31 @@ def _moments(
     from indexer.captioned import captioned_takes
     from search import terminal
     from search.evaluate import marked
+    from search.evaluate.moment_tables import moment_tables
     from search.evaluate.moments import evaluate_moments
 
-    sets = {"made takes": marked.composed(count)}
+    sets = {_COMPOSED: marked.composed(count)}
     if folder is not None and captions is not None:
         takes = list(captioned_takes(folder, captions, split))
         clips = marked.described_clips(takes) + (marked.labelled_clips(labelled) if labelled else [])
-        sets["takes joined from real clips"] = marked.joined(clips, count)
-        sets["real takes, as people marked them"] = marked.marked_by_people(takes, segments)
-    figures = {name: evaluate_moments(takes_of, bundle) for name, takes_of in sets.items()}
+        sets["takes joined from real clips"] = marked.joined(clips, max(count // 3, 1))
+        sets["sentences people wrote of parts of takes"] = marked.captioned_moments(takes)
+    if folder is not None and segments is not None:
+        sets["segments people timed in takes"] = marked.timed_segments(folder, segments)
+    figures: dict[str, dict[str, dict[str, float]]] = {}
+    for name, takes_of in sets.items():
+        figures[name] = evaluate_moments(takes_of, bundle, steps=name == _COMPOSED, progress=_every_tenth)
+        if not as_json:
+            print(f"### {name}", *moment_tables(figures[name]), sep="\n\n", end="\n\n", flush=True)
     if as_json:
         terminal.document(figures)
-        return
-    shown = ("questions", "accuracy at 0.3", "accuracy at 0.4", "accuracy at 0.5", "accuracy at 0.7", "R@5 at 0.5",
-             "mean IoU", "mAP 0.1 to 0.7")  # fmt: skip
-    for name, ways in figures.items():
-        terminal.note(name)
-        terminal.table(("", *shown), [(way, *(f"{row[key]:.1f}" for key in shown)) for way, row in ways.items()])
+
+
+def _every_tenth(takes: int) -> None:
+    from search import terminal
+
+    if takes % 10 == 0:
+        terminal.note(f"{takes} takes asked")
 
 
 def _nonsense(bundle: Bundle) -> dict[str, float]:

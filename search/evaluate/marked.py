@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import json
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -10,7 +12,7 @@ import numpy as np
 
 from encoders.corpus.real import CaptionedTake
 from encoders.corpus.seeds import TEST
-from encoders.corpus.takes import Marked, MarkedTake, joined_take, made_take
+from encoders.corpus.takes import Happening, MarkedTake, joined_take, marked_take, unseen_take
 from encoders.errors import MotionSeekError, QueryError
 from encoders.motion import Motion
 from indexer import load_motion
@@ -19,12 +21,13 @@ from search.evaluate.labels import read_table
 #: A marked part of a take shorter than this share of it lies inside a longer take.
 _INSIDE = 0.8
 _LEAST, _MOST = 30.0, 120.0
+_JOINED = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 
 def composed(count: int, seed: int = TEST) -> Iterator[MarkedTake]:
-    """Made takes of 30 to 120 s with exact boundaries, from seeds no training used."""
+    """Made takes of 30 to 120 s with exact boundaries; actions, manners, joins and seeds are held out of training."""
     rng = np.random.default_rng(seed)
-    return (made_take(rng, least=_LEAST, most=_MOST) for _ in range(count))
+    return (unseen_take(rng, least=_LEAST, most=_MOST) for _ in range(count))
 
 
 def labelled_clips(folder: Path) -> list[tuple[Motion, str]]:
@@ -60,35 +63,55 @@ def joined(clips: Sequence[tuple[Motion, str]], count: int, seed: int = 0) -> It
         yield joined_take(chosen)
 
 
-def marked_by_people(takes: Sequence[CaptionedTake], segments: Path | None = None) -> Iterator[MarkedTake]:
-    """Takes with sentences whose spans lie inside them, and with the labels of `segments`.
+def captioned_moments(takes: Sequence[CaptionedTake]) -> Iterator[MarkedTake]:
+    """Takes with sentences whose spans lie inside them; of a trial that lies there in several rigs, the first."""
+    for take in {take.trial: take for take in reversed(takes)}.values():
+        said = [
+            Happening(caption, (span.start, min(span.end, take.motion.duration)), frozenset({caption}))
+            for span in take.spans
+            for caption in span.captions
+            if min(span.end, take.motion.duration) - span.start < _INSIDE * take.motion.duration
+        ]
+        if said:
+            yield marked_take(take.motion, said)
 
-    `segments` is JSON, {trial: [{"start", "end", "label"}]}, in seconds.
 
-    Of a trial that lies there in several rigs, the first is asked.
+def timed_segments(folder: Path, segments: Path) -> Iterator[MarkedTake]:
+    """Takes of a folder with a manifest, of any split, with the labels people timed in them.
+
+    `segments` is JSON, {trial: [{"start", "end", "label"}]}, in seconds. Words written together ("KneeRaise") are
+    asked as words.
 
     Raises
     ------
     QueryError
-        If `segments` cannot be read.
+        If `segments` or the manifest cannot be read.
     """
     try:
-        labels = json.loads(segments.read_text(encoding="utf-8")) if segments else {}
+        labels = json.loads(segments.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise QueryError(f"{segments}: no segments that can be read ({error})") from error
-    seen: set[str] = set()
-    for take in takes:
-        if take.trial in seen:
-            continue
-        seen.add(take.trial)
-        spans: dict[str, list[tuple[float, float]]] = {}
-        for span in take.spans:
-            end = min(span.end, take.motion.duration)
-            if end - span.start < _INSIDE * take.motion.duration:
-                for caption in span.captions:
-                    spans.setdefault(caption, []).append((span.start, end))
-        for row in labels.get(take.trial, ()):
-            if row["end"] <= take.motion.duration + 0.5:
-                spans.setdefault(row["label"], []).append((row["start"], row["end"]))
-        if spans:
-            yield MarkedTake(take.motion, tuple(Marked(text, tuple(where)) for text, where in spans.items()))
+    for trial, motion in _trials(folder, set(labels)):
+        rows = [row for row in labels[trial] if row["end"] <= motion.duration + 0.5]
+        said = [(_JOINED.sub(" ", row["label"]).lower(), (row["start"], row["end"])) for row in rows]
+        if said:
+            yield marked_take(motion, [Happening(text, span, frozenset({text})) for text, span in said])
+
+
+def _trials(folder: Path, names: set[str]) -> Iterator[tuple[str, Motion]]:
+    """The named trials of a folder with a manifest, each in the first rig that can be read."""
+    left = set(names)
+    try:
+        with (folder / "manifest.tsv").open(encoding="utf-8", newline="") as table:
+            rows = list(csv.DictReader(table, delimiter="\t"))
+    except (OSError, ValueError) as error:
+        raise QueryError(f"{folder}: no manifest.tsv that can be read ({error})") from error
+    for row in rows:
+        if row["trial"] in left and row["kind"] == "take":
+            rate = row["fps_true"] or row["fps_in_file"]
+            try:
+                motion = load_motion(folder / row["path"], fps=float(rate) if rate else None)
+            except MotionSeekError:
+                continue
+            left.remove(row["trial"])
+            yield row["trial"], motion

@@ -7,105 +7,99 @@ precision over IoU 0.1 to 0.7. The ceiling is what the best window of the librar
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections import defaultdict
+from collections.abc import Callable, Iterable
+from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.bundle import Bundle
 from encoders.corpus.takes import MarkedTake
 from indexer.windows import grid
-from search.moments import localise
+from search.dense import Vectors
+from search.evaluate.everywhere import Gallery
+from search.evaluate.in_order import ask_in_order, draw_steps
+from search.evaluate.in_order import figures as in_order
+from search.evaluate.overlaps import Overlaps, Spans, best_overlaps
+from search.evaluate.remembering import RememberingBundle
 from search.moments_baseline import SIZES, best_of
 from search.query import encode_queries
-from search.spans import iou
+from search.question import Question
+from search.refine import CURVE_LENGTHS
+from search.source import Source
+from search.takes import find
 
-Spans = Sequence[tuple[float, float]]
-
-THRESHOLDS = tuple(round(0.1 * i, 1) for i in range(1, 10))
 _ANSWERS = 10
+_ORDERED = 2  # questions in three steps for each take
 
 
-@dataclass
-class Overlaps:
-    """For every question, how well each ranked answer overlaps its best true span."""
+def evaluate_moments(
+    takes: Iterable[MarkedTake],
+    bundle: Bundle,
+    *,
+    steps: bool = False,
+    progress: Callable[[int], None] | None = None,
+) -> dict[str, dict[str, float]]:
+    """Every marked sentence of every take is asked of its take, and then of all takes at once.
 
-    rows: list[NDArray[np.float64]] = field(default_factory=list)
-
-    def add(self, answers: Spans, truth: Spans) -> None:
-        """One question's ranked answers against all its true spans."""
-        starts, ends = np.array([a for a, _ in answers]), np.array([b for _, b in answers])
-        self.rows.append(np.max([iou(starts, ends, start, end) for start, end in truth], axis=0))
-
-    def recall(self, k: int, threshold: float) -> float:
-        """Percent of questions with a right answer among the first k."""
-        return 100 * float(np.mean([(row[:k] >= threshold).any() for row in self.rows]))
-
-    def mean_iou(self) -> float:
-        """Mean overlap of the first answer, in percent."""
-        return 100 * float(np.mean([row[0] if len(row) else 0.0 for row in self.rows]))
-
-    def mean_ap(self) -> float:
-        """Mean over IoU 0.1 to 0.7 of the reciprocal rank of the first right answer, in percent.
-
-        With one true span a question, average precision is that reciprocal rank.
-        """
-        values = []
-        for threshold in THRESHOLDS[:7]:
-            right = [row >= threshold for row in self.rows]
-            values.append(np.mean([1 / (r.argmax() + 1) if r.any() else 0.0 for r in right]))
-        return 100 * float(np.mean(values))
-
-
-def evaluate_moments(takes: Iterable[MarkedTake], bundle: Bundle) -> dict[str, dict[str, float]]:
-    """Every marked sentence of every take is asked of its take.
+    Parameters
+    ----------
+    steps : bool
+        Whether to ask for three things that follow one another too, twice a take.
+    progress : callable, optional
+        Called with the number of takes asked so far.
 
     Returns
     -------
     dict
-        Figures by way: "motionseek", the paper's "window of 20", "40", "60" frames and "best of the three", and the
-        "ceiling of the grid".
+        Figures by way: "motionseek", the paper's "window of 20", "40", "60" frames and "best of the three", the
+        "ceiling of the grid"; the first and the best of the three also for sentences about unseen actions, where there
+        are some; "motionseek, all takes at once", where any take of which a sentence is true counts, "..., its own
+        take"; and "three steps in order".
     """
-    ways: dict[str, Overlaps] = {}
-    for take in takes:
+    ways: dict[str, Overlaps] = defaultdict(Overlaps)
+    remembering = RememberingBundle(bundle)
+    encoder = cast(Bundle, remembering)
+    gallery, ordered, rng = Gallery(encoder), list[float](), np.random.default_rng(0)
+    kept = {round(seconds * bundle.fps) for seconds in CURVE_LENGTHS}
+    for number, take in enumerate(takes, start=1):
+        source = Source.of_motion(take.motion)
         queries = encode_queries(bundle, [marked.sentence for marked in take.marked])
-        features = bundle.features(take.motion)
-        windows = _grid_spans(len(features), bundle.fps)
-        slid = best_of(bundle, take.motion, queries)
-        for marked, query, paper in zip(take.marked, queries, slid, strict=True):
-            found = localise(bundle, features, bundle.fps, query[None], _ANSWERS)
-            _add(ways, "motionseek", [(m.start, m.end) for m in found], marked.spans)
-            for size in SIZES:
-                _add(ways, f"window of {size}", [(paper[size].start, paper[size].end)], marked.spans)
-            _add(ways, "best of the three", [(paper[0].start, paper[0].end)], marked.spans)
-            best = max(range(len(windows)), key=lambda i: _overlap(windows[i], marked.spans))
-            _add(ways, "ceiling of the grid", [windows[best]], marked.spans)
-    return {name: figures(overlaps) for name, overlaps in ways.items()}
+        _ask(ways, bundle, encoder, source, take, queries)
+        if steps:
+            ordered += [ask_in_order(encoder, source, take, run) for run in draw_steps(take, rng, _ORDERED)]
+        gallery.add(take, source, queries)
+        remembering.forget(but=kept)
+        if progress is not None:
+            progress(number)
+    ways["motionseek, all takes at once"], ways["motionseek, all takes at once, its own take"] = gallery.ask(_ANSWERS)
+    figures = {name: overlaps.figures() for name, overlaps in ways.items()}
+    return figures | ({"three steps in order": in_order(ordered)} if ordered else {})
 
 
-def figures(overlaps: Overlaps) -> dict[str, float]:
-    """All figures of one way."""
-    return {
-        "questions": float(len(overlaps.rows)),
-        **{f"accuracy at {t}": overlaps.recall(1, t) for t in THRESHOLDS},
-        **{f"R@{k} at {t}": overlaps.recall(k, t) for k in (5, 10) for t in (0.3, 0.5, 0.7)},
-        "mean IoU": overlaps.mean_iou(),
-        "mAP 0.1 to 0.7": overlaps.mean_ap(),
-    }
+def _ask(
+    ways: dict[str, Overlaps], bundle: Bundle, encoder: Bundle, source: Source, take: MarkedTake, queries: Vectors
+) -> None:
+    """All sentences of one take, in every way."""
+    windows = _grid_spans(len(source.features(encoder)), bundle.fps)
+    slid = best_of(bundle, take.motion, queries)
+    for marked, query, paper in zip(take.marked, queries, slid, strict=True):
+        found = find(encoder, source, Question((marked.sentence,)), query[None], _ANSWERS)
+        ours = [(moment.start, moment.end) for moment, _ in found]
+        best = [(paper[0].start, paper[0].end)]
+        ways["motionseek"].add(ours, marked.spans)
+        for size in SIZES:
+            ways[f"window of {size}"].add([(paper[size].start, paper[size].end)], marked.spans)
+        ways["best of the three"].add(best, marked.spans)
+        ways["ceiling of the grid"].rows.append(best_overlaps(windows, marked.spans).max(keepdims=True))
+        if marked.unseen:
+            ways["motionseek, unseen actions"].add(ours, marked.spans)
+            ways["best of the three, unseen actions"].add(best, marked.spans)
 
 
-def _add(ways: dict[str, Overlaps], name: str, answers: Spans, truth: Spans) -> None:
-    ways.setdefault(name, Overlaps()).add(answers, truth)
-
-
-def _grid_spans(frames: int, fps: float) -> list[tuple[float, float]]:
+def _grid_spans(frames: int, fps: float) -> Spans:
     return [
         (float(start / fps), float((start + size) / fps))
         for starts, size in grid(frames, fps).values()
         for start in starts
     ]
-
-
-def _overlap(span: tuple[float, float], truth: Spans) -> float:
-    return max(float(iou([span[0]], [span[1]], start, end)[0]) for start, end in truth)

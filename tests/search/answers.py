@@ -25,6 +25,7 @@ class KnownAnswers(MeanEncoder):
     """Stands for a bundle of 10 feature frames a second."""
 
     feature_kind, fps, max_frames, folder, latent_size = "body", 10.0, 128, Path("known"), len(SENTENCES)
+    fingerprint = "known"
 
     def __init__(self, calibration: dict[str, Any] | None = None) -> None:
         super().__init__()

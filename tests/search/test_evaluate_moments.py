@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
-from encoders.corpus.takes import Marked, MarkedTake
-from search.evaluate.moments import Overlaps, evaluate_moments, figures
-from tests.search.answers import KnownAnswers, motion
+from encoders.corpus.takes import Happening, MarkedTake, marked_take
+from search.evaluate.in_order import chain_overlap
+from search.evaluate.moment_tables import moment_tables
+from search.evaluate.moments import evaluate_moments
+from search.evaluate.overlaps import Overlaps
+from search.evaluate.remembering import RememberingBundle
+from tests.search.answers import SENTENCES, KnownAnswers, motion
 
 
 @pytest.fixture
@@ -35,7 +42,7 @@ def test_average_precision_is_the_reciprocal_rank_of_the_first_right_answer(over
 def test_any_true_span_will_do() -> None:
     found = Overlaps()
     found.add([(20.0, 30.0)], [(5.0, 6.0), (20.0, 30.0)])
-    assert figures(found)["accuracy at 0.9"] == 100.0
+    assert found.figures()["accuracy at 0.9"] == 100.0
 
 
 def test_no_answer_is_wrong() -> None:
@@ -44,18 +51,95 @@ def test_no_answer_is_wrong() -> None:
     assert found.mean_iou() == found.mean_ap() == found.recall(10, 0.1) == 0.0
 
 
+def test_an_answer_where_nothing_is_true_is_wrong() -> None:
+    found = Overlaps()
+    found.add([(0.0, 1.0)], [])
+    assert found.recall(10, 0.1) == 0.0
+
+
+def taken(*kinds: int, seconds: float = 4.0) -> MarkedTake:
+    """A take that is of one kind after the other, told by the sentences that name the kinds."""
+    happens = [
+        Happening(SENTENCES[kind], (seconds * i, seconds * (i + 1)), frozenset({SENTENCES[kind]}))
+        for i, kind in enumerate(kinds)
+    ]
+    return marked_take(motion(*kinds, seconds=seconds), happens)
+
+
 def test_a_model_that_knows_all_the_answers_finds_the_moments() -> None:
-    taken = MarkedTake(
-        motion(0, 1, 2, 0, 3, seconds=4.0), (Marked("two", ((8.0, 12.0),)), Marked("three", ((16.0, 20.0),)))
-    )
-    found = evaluate_moments([taken], KnownAnswers())  # type: ignore[arg-type]
+    found = evaluate_moments([taken(0, 1, 2, 0, 3)], KnownAnswers(), steps=True)  # type: ignore[arg-type]
     assert set(found) == {
         "motionseek",
         *(f"window of {size}" for size in (20, 40, 60)),
         "best of the three",
         "ceiling of the grid",
+        "motionseek, all takes at once",
+        "motionseek, all takes at once, its own take",
+        "three steps in order",
     }
-    assert found["motionseek"]["questions"] == 2.0
+    assert found["motionseek"]["questions"] == 4.0
     assert found["motionseek"]["accuracy at 0.5"] == 100.0
     assert found["window of 20"]["mean IoU"] == pytest.approx(25.0), "one second of four"
     assert found["ceiling of the grid"]["mean IoU"] >= 80.0 - 1e-6
+    assert found["three steps in order"] == {
+        "questions": 2.0,
+        "all at 0.3": 100.0,
+        "all at 0.5": 100.0,
+        "all at 0.7": 100.0,
+    }
+
+
+def test_a_moment_in_another_take_counts_where_it_is_true_but_not_as_the_own_take() -> None:
+    found = evaluate_moments([taken(0, 1), taken(0, 2)], KnownAnswers())  # type: ignore[arg-type]
+    anywhere = found["motionseek, all takes at once"]
+    own = found["motionseek, all takes at once, its own take"]
+    assert anywhere["accuracy at 0.5"] == 100.0
+    assert own["accuracy at 0.5"] == 75.0, "zero is asked of both takes and found in one of them first"
+    assert own["R@5 at 0.5"] == 100.0
+
+
+def test_sentences_about_unseen_actions_are_counted_apart() -> None:
+    known = taken(0, 1)
+    unseen = MarkedTake(known.motion, (replace(known.marked[0], unseen=True), known.marked[1]), known.happens)
+    found = evaluate_moments([unseen], KnownAnswers())  # type: ignore[arg-type]
+    assert found["motionseek, unseen actions"]["questions"] == 1.0
+    assert found["motionseek"]["questions"] == 2.0
+
+
+def test_no_window_is_encoded_twice_for_many_sentences() -> None:
+    one, several = KnownAnswers(), KnownAnswers()
+    evaluate_moments([taken(0, 0, 1, 1, 0)], one)  # type: ignore[arg-type]
+    evaluate_moments([taken(0, 1, 2, 3, 4)], several)  # type: ignore[arg-type]
+    assert several.encoded < 1.2 * one.encoded
+
+
+def test_a_remembered_window_has_the_vector_the_bundle_gives() -> None:
+    model, features = KnownAnswers(), KnownAnswers().features(motion(0, 1, 2, seconds=2.0))
+    remembering = RememberingBundle(model)  # type: ignore[arg-type]
+    whole = remembering.encode_windows(features, np.arange(40), 20)
+    part = remembering.encode_windows(features[7:], np.arange(0, 30, 2), 20)
+    assert np.array_equal(part, whole[7:37:2])
+    assert model.encoded == 40
+    remembering.forget(but=())
+    assert np.array_equal(remembering.encode_windows(features, np.arange(40), 20), whole)
+
+
+def test_a_chain_is_as_good_as_its_worst_step() -> None:
+    truths = [[(0.0, 2.0)], [(2.0, 4.0)], [(4.0, 6.0)]]
+    assert chain_overlap([(0.0, 2.0), (2.0, 4.0), (4.0, 6.0)], truths) == 1.0
+    assert chain_overlap([(0.0, 2.0), (2.0, 3.0), (4.0, 6.0)], truths) == 0.5
+
+
+def test_a_chain_over_a_repeated_action_is_right_too_if_it_is_in_order() -> None:
+    walk, sit = [(0.0, 2.0), (8.0, 10.0)], [(4.0, 6.0)]
+    assert chain_overlap([(0.0, 2.0), (4.0, 6.0), (8.0, 10.0)], [walk, sit, walk]) == 1.0
+    assert chain_overlap([(8.0, 10.0), (4.0, 6.0)], [walk, sit]) == 0.0
+
+
+def test_tables_are_markdown() -> None:
+    figures = evaluate_moments([taken(0, 1, 2)], KnownAnswers(), steps=True)  # type: ignore[arg-type]
+    first, recall, steps = moment_tables(figures)
+    assert first.splitlines()[0].startswith("| first answer, by IoU | questions | 0.1 |")
+    assert "| motionseek | 3 | 100.0 |" in first
+    assert "window of 20" not in recall
+    assert steps.splitlines()[-1].startswith("| three steps in order | 1 | 100.0 |")

@@ -1,0 +1,68 @@
+"""Takes whose moments are known: held out, joined, and as people marked them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from encoders.corpus.real import CaptionedSpan, CaptionedTake
+from encoders.errors import QueryError
+from encoders.motion import Motion
+from search.evaluate import marked
+from tests.search.conftest import made_motion
+
+
+def captioned(trial: str, *spans: tuple[str, float, float], seconds: float = 20.0) -> CaptionedTake:
+    said = tuple(CaptionedSpan((text,), start, end) for text, start, end in spans)
+    return CaptionedTake(f"{trial}.bvh", trial, made_motion(seconds, 0), "walk", said)
+
+
+def test_composed_takes_hold_what_training_does_not_show() -> None:
+    (take,) = marked.composed(1, seed=5)
+    assert 30.0 <= take.motion.duration < 150.0
+    assert any(m.unseen for m in take.marked)
+
+
+def test_joined_takes_are_as_long_as_asked_and_repeat_sentences() -> None:
+    clips = [(made_motion(3.0, 0), "walks"), (made_motion(4.0, 1), "jumps")]
+    for take in marked.joined(clips, 3):
+        assert 30.0 <= take.motion.duration <= 124.0
+        assert {m.sentence for m in take.marked} == {"walks", "jumps"}
+
+
+def test_a_sentence_about_a_whole_take_is_no_moment_of_it() -> None:
+    takes = [captioned("01_01", ("walks", 0.0, float("inf")), ("jumps", 2.0, 5.0), ("jumps", 8.0, float("inf")))]
+    (take,) = marked.captioned_moments(takes)
+    assert [(m.sentence, m.spans) for m in take.marked] == [("jumps", ((2.0, 5.0), (8.0, 20.0)))]
+
+
+def test_a_trial_in_several_rigs_is_asked_once() -> None:
+    first, second = captioned("01_01", ("jumps", 2.0, 5.0)), captioned("01_01", ("jumps", 2.0, 5.0), seconds=19.0)
+    (take,) = marked.captioned_moments([first, second])
+    assert take.motion.duration == first.motion.duration
+
+
+@pytest.fixture
+def archive(tmp_path: Path) -> Path:
+    np.save(tmp_path / "a.npy", made_motion(10.0, 0).joints)
+    (tmp_path / "broken.bvh").write_text("HIERARCHY", encoding="utf-8")
+    rows = ["path\ttrial\tkind\tfps_in_file\tfps_true", "broken.bvh\t1\ttake\t20\t", "a.npy\t1\ttake\t\t20"]
+    (tmp_path / "manifest.tsv").write_text("\n".join(rows), encoding="utf-8")
+    return tmp_path
+
+
+def test_timed_labels_are_asked_in_words(archive: Path) -> None:
+    rows = [{"start": 1, "end": 2.5, "label": "KneeRaise"}, {"start": 60, "end": 70, "label": "not in it"}]
+    (archive / "segments.json").write_text(json.dumps({"1": rows, "2": rows}), encoding="utf-8")
+    (take,) = marked.timed_segments(archive, archive / "segments.json")
+    assert [(m.sentence, m.spans) for m in take.marked] == [("knee raise", ((1, 2.5),))]
+    assert isinstance(take.motion, Motion)
+
+
+def test_segments_that_cannot_be_read_are_refused(archive: Path) -> None:
+    (archive / "segments.json").write_text("[", encoding="utf-8")
+    with pytest.raises(QueryError, match=r"segments\.json"):
+        list(marked.timed_segments(archive, archive / "segments.json"))
