@@ -61,13 +61,15 @@ def _back_and_forth(gone: Array, total: float, rng: Generator) -> Array:
     return np.asarray(rng.choice([-1, 1]) * np.pi * ease((gone[:, None] - at) / 0.6 + 0.5).sum(1))
 
 
-def bearing(direction: str, way: Array, rng: Generator) -> tuple[Array, float]:
+def bearing(direction: str, way: Array, rng: Generator, *, faces: bool = False) -> tuple[Array, float]:
     """How a body faces and moves along its way.
 
     Parameters
     ----------
     way : float array (N,)
         Metres gone.
+    faces : bool
+        The body keeps facing ahead; otherwise many turn to where they go.
 
     Returns
     -------
@@ -85,7 +87,9 @@ def bearing(direction: str, way: Array, rng: Generator) -> tuple[Array, float]:
     if "-" in direction:  # diagonals are seldom exact
         angle += np.sign(angle) * np.deg2rad(rng.uniform(-25, 15) * (1 if direction.startswith("forward") else -1))
     backward = direction.startswith("backward")
-    if backward or not angle or rng.random() < (0.75 if "-" in direction else 0.4):
+    if faces or backward or not angle or rng.random() < (0.75 if "-" in direction else 0.55):
+        if direction in ("left", "right") and not faces:  # who goes left while looking ahead goes ahead, too
+            angle *= rng.uniform(0.4, 1.05)
         return rng.normal(0.0, 0.1) * gone / max(total, 3.0), angle
     start = rng.uniform(0.0, 0.4) * total
     return angle * rng.uniform(0.85, 1.1) * ease((gone - start) / rng.uniform(0.5, 1.1)), 0.0
@@ -105,7 +109,9 @@ def travel(
     speed = min(speed, fastest)
     going = effort(frames, rng, rest=0.5) if going is None else going
     way = np.cumsum(speed * going) / FPS
-    facing, angle = bearing("" if still else step.direction, np.zeros_like(way) if still else way, rng)
+    facing, angle = bearing(
+        "" if still else step.direction, np.zeros_like(way) if still else way, rng, faces=gait.faces
+    )
     pace_of_feet = gait.cadence * np.sqrt(pace) * manner.factor("pace")
     # A leg reaches only so far: who steps out further at this cadence stands shorter.
     reach = 0.66 if gait.duty < 0.5 else 0.95

@@ -53,6 +53,8 @@ class Gait:
         Cycles from the landing of the left foot to that of the right.
     cross : float
         How far the left foot is put ahead of the right one's line, for legs that cross sideways.
+    faces : bool
+        Whether the body never turns to the side to which it goes.
     """
 
     speed: float = 1.25
@@ -72,6 +74,7 @@ class Gait:
     crouch: float = 0.015
     offset: float = 0.5
     cross: float = 0.0
+    faces: bool = False
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,9 @@ _MARCH = Gait(duty=0.58, lift=0.32, push=0.4, lean=-0.05, arms=0.75, elbow=0.15,
 _STOMP = Gait(duty=0.6, lift=0.26, bob=0.04, push=0.2, lean=0.1, arms=0.35, elbow=0.7, width=0.12, crouch=0.04)
 _SHUFFLE = Gait(duty=0.72, lift=0.025, bob=0.006, push=0.15, lean=0.1, arms=0.12, elbow=0.4, crouch=0.03)
 _SNEAK = Gait(duty=0.68, lift=0.16, bob=0.015, push=0.7, lean=0.5, arms=0.2, elbow=1.4, width=0.09, crouch=0.17)
-_SIDESTEP = Gait(duty=0.6, lift=0.06, push=0.2, lean=0.05, arms=0.08, elbow=0.4, width=0.15, crouch=0.03)
+_SIDESTEP = Gait(
+    duty=0.6, lift=0.08, push=0.2, lean=0.05, arms=0.08, elbow=0.4, width=0.15, crouch=0.03, faces=True,
+)  # fmt: skip
 _CROUCH = Gait(duty=0.66, lift=0.08, bob=0.015, push=0.6, lean=0.6, arms=0.2, elbow=0.8, width=0.11, crouch=0.32)
 _HIGH_KNEES = Gait(duty=0.45, lift=0.42, bob=0.03, push=0.6, lean=0.0, arms=0.6, elbow=1.5, width=0.09)
 

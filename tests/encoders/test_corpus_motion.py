@@ -17,7 +17,8 @@ from encoders.skeleton import INDEX, PARENTS
 
 PROGRAMS = programs()
 OWN = sorted(n for n, p in PROGRAMS.items() if p.make.__module__.rpartition(".")[2] in {
-    "locomotion", "turning", "unsteady", "jumps", "climbing", "posture", "bending", "floor", "acrobatics"})  # fmt: skip
+    "locomotion", "turning", "stepping", "paths", "bowing", "unsteady",
+    "jumps", "climbing", "posture", "bending", "floor", "acrobatics"})  # fmt: skip
 
 
 def plain(*groups: Step | tuple[Step, ...], seed: int = 0) -> Clip:
@@ -152,6 +153,52 @@ def test_counts_are_kept(count: int) -> None:
         assert _peaks(STAND - act(Step("squat", count=count), seed).root[:, 1], 0.1) == count
         bow = act(Step("bow", count=count), seed)
         assert _peaks((bow.spine + bow.pelvis)[:, 0], 0.2) == count
+
+
+@pytest.mark.parametrize(("direction", "sign"), [("left", 1), ("right", -1)])
+def test_sidesteps_keep_facing_ahead(direction: str, sign: int) -> None:
+    for seed in range(8):
+        curves = act(Step("sidestep", direction=direction), seed)
+        assert np.abs(curves.heading).max() < 0.4
+        assert sign * (curves.root[-1, 0] - curves.root[0, 0]) > 0.3
+
+
+@pytest.mark.parametrize("count", [1, 3, 6])
+@pytest.mark.parametrize(("direction", "axis", "sign"), [("forward", 2, 1), ("backward", 2, -1), ("left", 0, 1)])
+def test_so_many_steps_are_taken_that_way(direction: str, axis: int, sign: int, count: int) -> None:
+    for seed in range(3):
+        curves = act(Step("take steps", direction=direction, count=count), seed)
+        lifts = sum(_peaks(curves.feet[:, foot, 1], ANKLE + 0.025) for foot in (0, 1))
+        assert lifts in ((2 * count,) if direction == "left" else (count, count + 1))  # with and without closing
+        assert sign * curves.root[-1, axis] > 0.1 * count
+
+
+@pytest.mark.parametrize(("direction", "sign"), [("left", 1), ("right", -1)])
+def test_half_a_circle_turns_half_round(direction: str, sign: int) -> None:
+    for seed in range(4):
+        assert 2.3 < sign * act(Step("walk half circle", direction=direction), seed).heading[-1] < 4.0
+
+
+def test_an_eight_goes_round_both_ways_and_comes_back() -> None:
+    for seed in range(4):
+        curves = act(Step("walk figure eight"), seed)
+        assert np.ptp(curves.heading) > 5.0
+        assert abs(curves.heading[-1] - curves.heading[0]) < 1.0
+
+
+@pytest.mark.parametrize(("direction", "axis", "sign"), [("forward", 2, 1), ("backward", 2, -1), ("right", 0, -1)])
+def test_a_push_moves_the_body_that_way(direction: str, axis: int, sign: int) -> None:
+    for seed in range(5):
+        curves = act(Step("get pushed", direction=direction), seed)
+        assert sign * (curves.root[-1, axis] - curves.root[0, axis]) > 0.15
+        assert np.abs(np.diff(curves.root[-5:], axis=0)).max() < 0.02, "it stands again"
+
+
+def test_cut_clips_keep_their_spans() -> None:
+    scene = Scene(((Step("walk"),), (Step("wave"),)))
+    for seed in range(30):
+        clip = make_clip(scene, np.random.default_rng(seed))
+        assert all(0 <= a < b <= len(clip.joints) / clip.fps + 1e-6 for a, b in clip.spans)
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
