@@ -25,7 +25,7 @@ _POSES, _APART = 9, 0.25  # poses of a strip at most, and seconds between them a
 _ROOM = 0.04  # beside and above them, to their height
 _PALE = 24  # a shadow paler than this is cut off
 _LONGEST_GIF = 60.0  # seconds: all frames of a GIF are held until it is written
-NO_FFMPEG = "an .mp4 needs ffmpeg; install it, or run: pip install 'motionseek[video]'"
+NO_FFMPEG = "an .mp4 needs ffmpeg; install it, or run: pip install imageio-ffmpeg"
 
 
 def write_picture(motion: Motion, out: Path, *, size: int = 480, fps: float = 20.0) -> int:

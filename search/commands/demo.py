@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import shlex
 import shutil
+import sys
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,7 +57,9 @@ def demo(folder: Path | None, force: bool, as_json: bool) -> None:
         report |= _locate(library, script["moment"], place / "moment.png", say)
     if as_json:
         terminal.document({"folder": str(place), "clips": summary.indexed} | report)
-    say('Yours next:  motionseek index FOLDER   then, in it:  motionseek search "..."')
+    program = shlex.quote("motionseek" if shutil.which("motionseek") else sys.argv[0])
+    say(f"See them move, ask, and export what you like:  {program} serve {shlex.quote(str(place))} --open")
+    say(f'Yours next:  {program} index FOLDER   then, in it:  {program} search "..."')
 
 
 def _silent(line: str) -> None:

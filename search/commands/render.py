@@ -35,7 +35,7 @@ def render(
     """Draw CLIP, or the cut of it from --start to --end, to OUT.
 
     .png is a strip of poses over time, .gif and .mp4 show the figure moving. An .mp4 needs ffmpeg, or
-    pip install 'motionseek[video]'.
+    pip install imageio-ffmpeg.
 
     \b
     Examples:

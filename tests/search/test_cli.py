@@ -98,6 +98,8 @@ def test_an_error_is_a_traceback_only_with_debug(indexed: Path, run: Run) -> Non
         (["export", "take 1", "x.npy", "--start", "9"], "outside"),
         (["segment", "take 1", "--labels", " , "], "--labels"),
         (["similar", "take 1", "--start", "3", "--end", "2"], "outside"),
+        (["similar", "take 1", "--start", "2", "--end", "2.1"], "at least 0.5 s"),
+        (["moments", "walks", "take 1", "--plot", "x.gif.mp4"], ".png"),
     ],
 )
 def test_wrong_usage_exits_with_2_and_one_line(
@@ -184,6 +186,23 @@ def test_moments_of_a_file_that_is_not_indexed(
     found = run("moments", "a person walks", takes / "take 3.npy", "--json", "-k", 2).document
     assert set(found) == {"query", "hits", "curve"}
     assert len(found["curve"]["times"]) == len(found["curve"]["similarity"]["a person walks"])
+
+
+def test_a_file_is_no_sentence_wherever_it_stands(takes: Path, run: Run, tmp_path: Path) -> None:
+    file = takes / "take 1.npy"
+    swapped = run("moments", file, "a person walks", "--json", "-k", 1)
+    assert swapped.document == run("moments", "a person walks", file, "--json", "-k", 1).document
+    alone = run("moments", file)
+    assert alone.code == 2
+    assert "what to look for" in alone.err
+    assert "both files" in run("moments", file, takes / "take 2.npy").err
+
+
+@pytest.mark.parametrize(("ending", "begins"), [(".jpg", b"\xff\xd8"), (".png", b"\x89PNG"), (".svg", b"<?xml")])
+def test_a_picture_is_what_its_name_says(ending: str, begins: bytes, takes: Path, run: Run, tmp_path: Path) -> None:
+    out = tmp_path / f"curve{ending}"
+    assert run("moments", "a person walks", takes / "take 1.npy", "--plot", out).code == 0
+    assert out.read_bytes().startswith(begins)
 
 
 def test_steps_are_shown_with_their_spans(indexed: Path, run: Run) -> None:
@@ -350,6 +369,7 @@ def test_no_command_loads_torch(indexed: Path, tiny_bundle: Path, tmp_path: Path
         ["similar", "take 3", *library],
         ["segment", "take 3", "--labels", "walk", *library],
         ["export", "take 3", str(tmp_path / "x.bvh"), *library],
+        ["render", "take 3", str(tmp_path / "x.gif"), "--size", "64", *library],
         ["status", *library],
         ["model", "info"],
     ]
