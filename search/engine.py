@@ -32,6 +32,8 @@ Located = tuple[int, Moment, tuple[Step, ...]]
 
 #: Clips asked by themselves when several sentences are asked of the whole library, for each answer asked for.
 _ASKED = 2
+#: The shortest cut that can be asked for, in seconds.
+_SHORTEST_CUT = 0.5
 
 
 class SearchableLibrary(Library):
@@ -107,15 +109,20 @@ class SearchableLibrary(Library):
         Raises
         ------
         QueryError
-            If the cut lies outside the motion.
+            If the cut lies outside the motion or is too short.
         """
         source = self.source(ref)
         motion = source.cut(start, end)
+        is_cut = start is not None or end is not None
+        if is_cut and motion.duration < _SHORTEST_CUT:
+            raise QueryError(
+                f"{source.path}: a cut of {motion.duration:.2f} s shows too little movement to compare; "
+                f"take at least {_SHORTEST_CUT:g} s"
+            )
         vector = self.bundle.encode_motions([motion])[0]
         allowed = self.allowed(**filters)
         if source.clip_id >= 0:
             allowed = np.setdiff1d(self.ids() if allowed is None else allowed, [source.clip_id])
-        is_cut = start is not None or end is not None
         if moments:
             return self._moment_hits(Question((source.path,)), vector[None], k, allowed, asked="motion")
         if is_cut:

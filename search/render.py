@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.errors import QueryError
 from encoders.motion import Motion
 from encoders.skeleton import INDEX, JOINTS, PARENTS
 
@@ -32,7 +33,7 @@ _POSES, _SPACING = 9, 1.35
 
 
 def plot_poses(path: Path, groups: Sequence[tuple[str, Sequence[tuple[str, Motion]]]]) -> None:
-    """Draw motions as a PNG, each a strip of poses from its start to its end.
+    """Draw motions as a picture, each a strip of poses from its start to its end.
 
     Parameters
     ----------
@@ -63,7 +64,7 @@ def plot_moments(
     times: NDArray[np.float64],
     similarity: NDArray[np.float32],
 ) -> None:
-    """Draw similarity over time as a PNG: poses above, a curve a sentence, the spans found, the captions' spans below.
+    """Draw similarity over time as a picture: poses above, a curve a sentence, spans found, the captions' spans below.
 
     Parameters
     ----------
@@ -118,8 +119,23 @@ def _figure(width: float, height: float) -> Figure:
     return figure
 
 
+def refuse_format(path: Path) -> None:
+    """Stop before anything is done where a picture of this ending cannot be written.
+
+    Raises
+    ------
+    QueryError
+        If it cannot.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    if path.suffix[1:].lower() not in FigureCanvasAgg.get_supported_filetypes():
+        raise QueryError(f"{path}: no picture can be written in this format; end its name in .png, .jpg, .svg or .pdf")
+
+
 def _save(figure: Figure, path: Path) -> None:
-    figure.savefig(path, dpi=130, format="png")
+    refuse_format(path)
+    figure.savefig(path, dpi=130, format=path.suffix[1:].lower())
 
 
 def _poses(

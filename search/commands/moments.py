@@ -17,7 +17,11 @@ from search.commands import options
 @click.option("--then", "steps", metavar="SENTENCE", multiple=True, help="A step; give one for each, in order.")
 @click.option("--while", "meanwhile", metavar="SENTENCE", multiple=True, help="What happens at the same time.")
 @click.option("--no-split", is_flag=True, help="Take SENTENCE as one step even if it says 'then'.")
-@click.option("--plot", type=click.Path(dir_okay=False, path_type=Path), help="Draw similarity over time to this PNG.")
+@click.option(
+    "--plot",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Draw similarity over time to this PNG, JPEG, SVG or PDF.",
+)
 @options.force
 @options.hits
 @options.filters
@@ -51,14 +55,15 @@ def moments(
     """
     from search import terminal
     from search.question import Question
+    from search.render import plot_moments, refuse_format
 
-    if steps and ref is None:
-        sentence, ref = None, sentence
+    sentence, ref = _told_apart(sentence, ref, bool(steps))
     question = Question.of(sentence, steps, meanwhile, split_steps=not no_split)
     if plot is not None:
         if ref is None:
             raise click.UsageError("--plot needs a CLIP whose similarity to draw")
         options.refuse_overwriting(plot, force)
+        refuse_format(plot)
     if ref is None:
         with options.open_library(folder) as library:
             found = library.answer(question, None, k, **filters)
@@ -71,9 +76,18 @@ def moments(
         found = moments_in(bundle, source, question, k)
         times, similarity = curves(bundle, source, question.encode(bundle))
     if plot is not None:
-        from search.render import plot_moments
-
         plot_moments(plot, question, source, found, times, similarity)
     terminal.answer(question, found, (times, similarity), as_json=as_json, width=shutil.get_terminal_size().columns)
     if plot is not None:
         terminal.note(f"wrote {plot}")
+
+
+def _told_apart(sentence: str | None, ref: str | None, has_steps: bool) -> tuple[str | None, str | None]:
+    """The sentence and the clip, whichever was given first: what is a file is no sentence."""
+    if sentence is None or not Path(sentence).is_file():
+        return (None, sentence) if has_steps and ref is None else (sentence, ref)
+    if ref is None and not has_steps:
+        raise click.UsageError(f'"{sentence}" is a file; say what to look for in it too, such as "a person waves"')
+    if ref is not None and Path(ref).is_file():
+        raise click.UsageError(f'"{sentence}" and "{ref}" are both files; give one, and a sentence')
+    return ref, sentence
