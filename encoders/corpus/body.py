@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.random import Generator
 
 from encoders.corpus.curves import ANKLE, Array, Curves
@@ -185,7 +186,11 @@ def _lower(curves: Curves, hips: Array, offsets: Array, scale: float) -> Array:
     gap = hips - curves.feet * scale
     excess = gap[..., 1] - np.sqrt(np.maximum(reach * reach - gap[..., 0] ** 2 - gap[..., 2] ** 2, 0.01))
     grounded = np.clip(2.0 - curves.feet[..., 1] / (1.5 * ANKLE), 0.0, 1.0)
-    return np.asarray((np.clip(excess, 0.0, 0.12) * grounded).max(-1, keepdims=True))
+    needed = (np.clip(excess, 0.0, 0.12) * grounded).max(-1)
+    # The mean of the highest nearby is never lower than what is needed, and smooth.
+    for width, reduced in ((3, np.max), (3, np.mean)):
+        needed = reduced(sliding_window_view(np.pad(needed, width // 2, mode="edge"), width), axis=-1)
+    return np.asarray(needed[:, None])
 
 
 def _knee_poles(curves: Curves, trunk: _Trunk, axis: Array) -> Array:

@@ -150,11 +150,11 @@ def integrate(way: Array, direction: Array) -> Array:
 
 def stay(step: Step, gait: Gait, manner: Manner, rng: Generator) -> int:
     """Frames that a performer has at this gait: 2 to 6 seconds, mostly cut short by a room of 3 to 8 metres."""
-    frames = int(rng.uniform(2.0, 6.0) * FPS)
+    frames = int(rng.uniform(1.5 if gait.duty < 0.5 else 2.0, 6.0) * FPS)
     if step.direction not in STRAIGHT or rng.random() < 0.2:
         return frames
     speed = gait.speed * manner.factor("pace") * manner.factor("stride") * SPEED[step.speed]
-    return min(frames, int((max(rng.uniform(3.0, 8.0) / speed, 0.8) + rng.uniform(0.3, 1.2)) * FPS))
+    return min(frames, int((max(rng.uniform(2.5, 8.0) / speed, 0.8) + rng.uniform(0.1, 1.0)) * FPS))
 
 
 def go(step: Step, gait: Gait, manner: Manner, rng: Generator, frames: int = 0) -> Curves:

@@ -45,6 +45,12 @@ class Gait:
         How far the chest turns against the legs to either side, radians; the pelvis' share of it, the other way.
     behind : float
         How far a foot stands behind the hips in the middle of its stance.
+    around : float
+        How far outward a foot swings on its way.
+    nod : float
+        How far the trunk pitches to either side with every step, radians.
+    kick : float
+        How far the heel trails in the swing, metres.
     width : float
         Half the distance of the feet.
     crouch : float
@@ -59,19 +65,22 @@ class Gait:
 
     speed: float = 1.25
     cadence: float = 1.85
-    duty: float = 0.62
-    lift: float = 0.13
-    bob: float = 0.014
+    duty: float = 0.61
+    lift: float = 0.11
+    bob: float = 0.01
     push: float = 0.75
     tiptoe: float = 0.0
     lean: float = 0.03
-    arms: float = 0.34
-    elbow: float = 0.35
+    arms: float = 0.16
+    elbow: float = 0.4
     twist: float = 0.055
     yaw: float = 1.7
     behind: float = 0.0
+    around: float = 0.03
+    nod: float = 0.016
+    kick: float = 0.04
     width: float = 0.05
-    crouch: float = 0.015
+    crouch: float = 0.005
     offset: float = 0.5
     cross: float = 0.0
     faces: bool = False
@@ -164,10 +173,13 @@ def _foot(course: Course, gait: Gait, manner: Manner, side: int) -> tuple[Array,
     down, ahead = _BALL
     forward = down * np.sin(heel) + ahead * (1 - np.cos(heel))
     up = ahead * np.sin(heel) - down * (1 - np.cos(heel))
+    swinging = np.sin(np.pi * swing) * effort
+    outward = (1 if side == LEFT else -1) * gait.around * swinging
+    forward = forward - gait.kick * swinging
     ankle = np.empty((len(share), 3))
-    ankle[:, 0] = place[:, 0] + forward * np.sin(facing)
+    ankle[:, 0] = place[:, 0] + forward * np.sin(facing) + outward * np.cos(facing)
     ankle[:, 1] = ANKLE + place[:, 1] + raised + up
-    ankle[:, 2] = place[:, 2] + forward * np.cos(facing)
+    ankle[:, 2] = place[:, 2] + forward * np.cos(facing) - outward * np.sin(facing)
     toes = 0.0 if gait.tiptoe else 0.35 * min(gait.push, 0.7)
     return ankle, toes * effort * np.minimum(land, 1.0) - heel, facing
 
@@ -180,7 +192,7 @@ def step_along(course: Course, gait: Gait, manner: Manner) -> Curves:
     for side in (LEFT, RIGHT):
         ankle, pitch, yaw = _foot(course, gait, manner, side)
         curves.feet[:, side], curves.foot_pitch[:, side] = ankle[keep], pitch[keep]
-        curves.foot_yaw[:, side] += yaw[keep]
+        curves.foot_yaw[:, side] = yaw[keep] - 0.6 * curves.foot_yaw[:, side]  # toes point straight ahead
     cycle = 2 * np.pi * phase
     middle = cycle - np.pi * gait.duty  # 0 in the middle of the left foot's stance, half a turn on of the right's
     beat = np.cos(middle)
@@ -195,9 +207,10 @@ def _hips(curves: Curves, course: Course, gait: Gait, manner: Manner, middle: Ar
     beat = np.cos(middle)
     effort, facing = course.effort[keep], course.facing[keep]
     narrow = min(gait.width / 0.05, 1.6)
-    sway = 0.026 * narrow * float(np.clip(manner.factor("sway"), 0.2, 2.5)) * effort * beat
+    wide = (0.04 if gait.duty < 0.5 else 0.026) * narrow
+    sway = wide * float(np.clip(manner.factor("sway"), 0.2, 2.5)) * effort * beat
     # Slower over the standing foot, faster from foot to foot; least so where the body flies.
-    share = 0.14 if gait.duty > 0.5 else 0.05
+    share = 0.2 if gait.duty > 0.5 else 0.08
     surge = np.gradient(course.root, axis=0)[keep] * FPS * share / (2 * np.pi * gait.cadence)
     surge *= -np.sin(2 * middle)[:, None]
     curves.root[:, 0] = course.root[keep, 0] + sway * np.cos(facing) + surge[:, 0]
@@ -221,12 +234,15 @@ def smooth_level(level: Array | float, frames: int, window: int = 15) -> Array:
 def _torso(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Array, beat: Array) -> None:
     roll = 0.05 * float(np.clip(manner.factor("sway"), 0.2, 3.0)) * effort * beat
     turn = gait.twist * float(np.clip(manner.factor("twist"), 0.2, 2.5)) * effort * np.cos(cycle - 0.15)
-    curves.pelvis[:, 0] = 0.35 * gait.lean * effort
+    # The trunk tips forward as a foot lands and is thrown back over it.
+    nod = gait.nod * effort * np.cos(2 * cycle - 0.4)
+    curves.pelvis[:, 0] = 0.35 * gait.lean * effort + nod
     curves.pelvis[:, 1] = -roll
     curves.pelvis[:, 2] = -gait.yaw * turn
     curves.spine[:, 0] = 0.65 * gait.lean * effort
     # The trunk leans to the foot that lands.
-    curves.spine[:, 1] = roll + effort * (0.085 * np.cos(cycle) + 0.12 * manner.limp * beat)
+    tip = 0.13 if gait.duty < 0.5 else 0.07
+    curves.spine[:, 1] = roll + effort * (tip * np.cos(cycle) + 0.12 * manner.limp * beat)
     curves.spine[:, 2] = (1 + gait.yaw) * turn
     curves.head[:, 0] = -0.5 * gait.lean * effort
     curves.head[:, 2] = -0.7 * turn
@@ -237,9 +253,13 @@ def _arms(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Arra
     side = np.stack([-np.cos(cycle - 0.15), np.cos(cycle - 0.15)], axis=1)  # 1: this arm is ahead
     effort = effort[:, None]
     upper = effort * (swing * side - 0.12 * gait.elbow)
-    bend = 0.2 + effort * (gait.elbow - 0.2 + 0.45 * swing * (side + 0.3))
-    out = 0.1 - 0.1 * np.maximum(side, 0.0) * effort * min(gait.elbow, 1.0)
+    # Walkers swing the forearm, runners the upper arm, hands before the body.
+    forearm, inward = (0.2, 0.08) if gait.duty < 0.5 else (1.2, 0.0)
+    bend = 0.2 + effort * (gait.elbow - 0.2 + forearm * swing * (side + 0.3))
+    out = 0.1 - (inward + 0.1 * np.maximum(side, 0.0)) * effort * min(gait.elbow, 1.0)
     swing_arms(curves, upper, np.maximum(bend, 0.05), out)
+    if gait.duty < 0.5:  # elbows rise behind the body
+        curves.elbow[:] -= 0.3 * swing * effort * side
 
 
 def swing_arms(curves: Curves, upper: Array, bend: Array, out: float | Array = 0.13) -> None:

@@ -54,11 +54,11 @@ EVERYWHERE = (*STRAIGHT, *CURVED, "in place")
 RUNNING = (*AHEAD, *CURVED, "in place", "backward")
 
 _JOG = Gait(
-    duty=0.37, lift=0.14, bob=0.035, push=0.9, lean=0.12, arms=0.4, elbow=1.5, twist=0.17, yaw=-0.1,
-    behind=0.06, crouch=0.0,
+    duty=0.35, lift=0.24, bob=0.04, push=0.9, lean=0.2, arms=0.4, elbow=1.7, twist=0.2, yaw=-0.2, behind=0.09,
+    width=0.035, around=0.05, nod=0.03, kick=0.09, crouch=0.01,
 )  # fmt: skip
-_RUN = replace(_JOG, duty=0.32, lift=0.2, bob=0.045, push=1.0, lean=0.18, arms=0.5, elbow=1.6, twist=0.2, yaw=-0.2)
-_SPRINT = replace(_RUN, duty=0.27, lift=0.32, bob=0.03, push=1.1, lean=0.3, arms=0.85, twist=0.26, crouch=0.03)
+_RUN = replace(_JOG, duty=0.31, lift=0.28, bob=0.045, push=1.0, lean=0.24, arms=0.45, twist=0.24, kick=0.11)
+_SPRINT = replace(_RUN, duty=0.26, lift=0.36, bob=0.035, push=1.1, lean=0.34, arms=0.8, twist=0.28, crouch=0.03)
 _TIPTOE = Gait(duty=0.62, lift=0.06, bob=0.01, push=0.6, tiptoe=0.6, arms=0.15, elbow=0.5)
 _MARCH = Gait(duty=0.58, lift=0.32, push=0.4, lean=-0.05, arms=0.75, elbow=0.15, width=0.08)
 _STOMP = Gait(duty=0.6, lift=0.26, bob=0.04, push=0.2, lean=0.1, arms=0.35, elbow=0.7, width=0.12, crouch=0.04)
@@ -73,8 +73,8 @@ _HIGH_KNEES = Gait(duty=0.45, lift=0.42, bob=0.03, push=0.6, lean=0.0, arms=0.6,
 #: Name, gait, metres a second, steps a second, directions, weight.
 _GAITS: tuple[tuple[str, Gait, Range, Range, tuple[str, ...], float], ...] = (
     ("walk", Gait(), (1.0, 1.5), (1.7, 2.1), EVERYWHERE, 5.0),
-    ("jog", _JOG, (1.4, 2.9), (2.2, 2.8), RUNNING, 3.0),
-    ("run", _RUN, (2.0, 4.4), (2.4, 3.2), RUNNING, 4.0),
+    ("jog", _JOG, (1.7, 3.6), (2.3, 2.9), RUNNING, 3.0),
+    ("run", _RUN, (2.0, 4.8), (2.4, 3.3), RUNNING, 4.0),
     ("sprint", _SPRINT, (3.6, 6.8), (2.9, 4.1), ("forward", "left", "right", "back and forth"), 3.0),
     ("tiptoe", _TIPTOE, (0.4, 0.8), (1.5, 2.0), (*AHEAD, "backward", "around"), 1.0),
     ("march", _MARCH, (0.7, 1.2), (1.6, 2.0), (*AHEAD, "in place", "around", "backward"), 1.0),
