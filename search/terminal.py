@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Literal
@@ -10,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+    from rich.console import Console
+    from rich.text import Text
 
     from search.hits import Hit
     from search.question import Question
@@ -18,6 +21,10 @@ if TYPE_CHECKING:
 
 _HIT_COLUMNS = ("", "score", "strength", "start", "end", "clip", "caption")
 _COLOURS = {"strong": "green", "plausible": "yellow", "weak": "dim"}
+#: What would move the cursor, or break a line of a pipe.
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
+#: Columns between two cells of a table, and those that a long cell needs to be read in it.
+_GAP, _LEAST = 3, 24
 _BLOCKS = "▁▂▃▄▅▆▇█"
 
 
@@ -31,32 +38,67 @@ def document(content: Any) -> None:
     print(json.dumps(content, ensure_ascii=False, indent=2 if is_terminal() else None, allow_nan=False))
 
 
-def table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, right: Sequence[str] = ()) -> None:
+def table(
+    columns: Sequence[str], rows: Iterable[Sequence[str]], *, right: Sequence[str] = (), below: Sequence[str] = ()
+) -> None:
     """Print rows as an aligned table without its empty columns, or as lines with TABs between all cells when piped.
 
     Parameters
     ----------
     right : sequence of str
         The columns that hold numbers.
+    below : sequence of str
+        The columns that stand on lines of their own where a terminal is too narrow for all.
     """
+    rows = [[_CONTROL.sub(" ", cell) for cell in row] for row in rows]
     if not is_terminal():
         for row in rows:
-            print("\t".join(" ".join(cell.split()) for cell in row))
+            print("\t".join(row))
         return
-    from rich import box
+    from rich.cells import cell_len
     from rich.console import Console
+
+    console = Console(highlight=False)
+    used = [i for i, column in enumerate(columns) if not column or any(row[i] for row in rows)]
+    width = {i: max(cell_len(text) for text in (columns[i], *(row[i] for row in rows))) for i in used}
+    long = [i for i in used if columns[i] in below]
+    least = sum(min(width[i], _LEAST) if i in long else width[i] for i in used) + _GAP * (len(used) - 1)
+    if long and least > console.width:
+        _print_stacked(console, rows, [i for i in used if i not in long], long)
+    else:
+        _print_table(console, columns, rows, used, right)
+
+
+def _print_table(
+    console: Console, columns: Sequence[str], rows: Sequence[Sequence[str]], used: Sequence[int], right: Sequence[str]
+) -> None:
+    from rich import box
     from rich.table import Table
+
+    shown = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, show_header=any(columns))
+    for i in used:
+        number = columns[i] in right
+        justify: Literal["right", "left"] = "right" if number else "left"
+        shown.add_column(columns[i], justify=justify, overflow="fold", no_wrap=number)
+    for row in rows:
+        shown.add_row(*(_styled(row[i]) for i in used))
+    console.print(shown)
+
+
+def _print_stacked(console: Console, rows: Sequence[Sequence[str]], short: Sequence[int], long: Sequence[int]) -> None:
+    from rich.padding import Padding
     from rich.text import Text
 
-    rows = list(rows)
-    shown = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, show_header=any(columns))
-    used = [i for i, column in enumerate(columns) if not column or any(row[i] for row in rows)]
-    for i in used:
-        justify: Literal["right", "left"] = "right" if columns[i] in right else "left"
-        shown.add_column(columns[i], justify=justify, overflow="fold")
     for row in rows:
-        shown.add_row(*(Text(row[i], style=_COLOURS.get(row[i], "")) for i in used))
-    Console().print(shown)
+        console.print(Text("  ").join(_styled(row[i]) for i in short if row[i]))
+        for cell in (row[i] for i in long if row[i]):
+            console.print(Padding(Text(cell, overflow="fold"), (0, 0, 0, 3), expand=False))
+
+
+def _styled(cell: str) -> Text:
+    from rich.text import Text
+
+    return Text(cell, style=_COLOURS.get(cell, ""))
 
 
 def hits(found: Sequence[Hit], query: str, *, as_json: bool) -> None:
@@ -67,7 +109,7 @@ def hits(found: Sequence[Hit], query: str, *, as_json: bool) -> None:
     rows = [
         (str(h.rank), f"{h.score:.3f}", h.strength, f"{h.start:.1f}", f"{h.end:.1f}", h.path, h.caption) for h in found
     ]
-    table(_HIT_COLUMNS, rows, right=("", "score", "start", "end"))
+    table(_HIT_COLUMNS, rows, right=("", "score", "start", "end"), below=("clip", "caption"))
     if found and all(hit.strength == "weak" for hit in found):
         note("nothing here matches; these are the nearest")
 
@@ -114,6 +156,8 @@ def answer(
     elif is_terminal() and question.how != "alone":
         print(f" {question.how} ".join(f"'{text}'" for text in question.sentences))
     hits(found, str(question), as_json=False)
+    if not is_terminal():
+        return  # lines of another shape would be in a program's way; the steps are in the JSON
     steps = [(str(h.rank), f"{s.score:.3f}", f"{s.start:.1f}", f"{s.end:.1f}", s.text) for h in found for s in h.steps]
     if steps:
         table(("", "score", "start", "end", "step"), steps, right=("", "score", "start", "end"))

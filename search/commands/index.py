@@ -110,15 +110,13 @@ def report(summary: Summary, place: str) -> None:
     """Print what a run did to the library of `place`: failures and warnings on stderr, the sum on stdout."""
     from search import terminal
 
-    status = f"'motionseek status --failed {shlex.quote(place)}'"
-
     for path, reason in summary.failed:
         terminal.note(f"failed: {path}: {reason}")
     for warning in summary.warnings:
         terminal.note(f"warning: {warning}")
     if summary.failed_before:
         files = "1 file" if summary.failed_before == 1 else f"{summary.failed_before} files"
-        terminal.note(f"{files} still cannot be read: {status} says why, --retry tries again")
+        terminal.note(f"{files} still cannot be read; why: motionseek status --failed {shlex.quote(place)}")
     counts = {
         "indexed": summary.indexed,
         "unchanged": summary.unchanged,
