@@ -88,7 +88,7 @@ class Batches:
         limit = recipe.max_frames
         facts = store.facts[index]
         if rng.random() < recipe.crop and facts is not None and not any("<" in store.vocabulary[f] for f in facts):
-            limit = min(limit, max(12, int(len(x) * rng.uniform(0.5, 1))))
+            limit = min(limit, max(12, int(len(x) * rng.uniform(0.3, 1))))
         if len(x) > limit:
             start = int(rng.integers(len(x) - limit + 1))
             x = x[start : start + limit]
