@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import difflib
+import io
 import os
 import sys
 from importlib import import_module
@@ -73,6 +74,7 @@ def cli(debug: bool) -> None:
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and exit with its code."""
     given = sys.argv[1:] if arguments is None else arguments
+    _open_streams()
     try:
         code = _run([a for a in given if a != "--debug"], debug="--debug" in given)
         sys.stdout.flush()
@@ -92,6 +94,9 @@ def _run(arguments: list[str], *, debug: bool) -> int:
         return code if isinstance(code, int) else 0
     except click.exceptions.Exit as ended:
         return ended.exit_code
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message())
+        return 0
     except BrokenPipeError:
         raise
     except (KeyboardInterrupt, click.Abort):
@@ -112,11 +117,26 @@ def _complain(line: str, code: int) -> int:
     return code
 
 
+def _open_streams() -> None:
+    """Give a process that was started without stdout or stderr some, and print names that an encoding lacks."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - until the process ends
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
 def _usage_line(error: click.ClickException) -> str:
+    """One line; where the command was used wrongly, it names the help."""
     ctx = getattr(error, "ctx", None)
     command = ctx.command_path if ctx else "motionseek"
     message = _one_line(error.format_message()).rstrip(".")
-    return f"{command}: {message}; see '{command} --help'"
+    return (
+        f"{command}: {message}; see '{command} --help'"
+        if isinstance(error, click.UsageError)
+        else f"{command}: {message}"
+    )
 
 
 def _one_line(error: object) -> str:

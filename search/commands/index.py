@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False))
+@click.argument("folders", metavar="FOLDER...", nargs=-1, required=True)
 @click.option("--library", "library", type=click.Path(file_okay=False), help="Keep the library here, not in FOLDER.")
 @click.option("--jobs", type=click.IntRange(1, 256), help="Processes that read files; one a core if not given.")
 @click.option("--fps", type=click.FloatRange(1, 10_000), help="Frame rate of files that name none or a wrong one.")
@@ -58,6 +58,11 @@ def index(
     from search import terminal
     from search.locate import VARIABLE
 
+    for folder in folders:
+        if Path(folder).is_file():
+            raise click.UsageError(f"{folder} is a file; index its folder, or ask about it as it is: describe {folder}")
+        if not Path(folder).is_dir():
+            raise click.UsageError(f"there is no folder {folder}")
     library = library or os.environ.get(VARIABLE)
     names = read_joint_map(joint_map) if joint_map else None
     place = Path(library or Path(folders[0]) / FOLDER)
@@ -117,6 +122,8 @@ def report(summary: Summary, place: str) -> None:
     if summary.failed_before:
         files = "1 file" if summary.failed_before == 1 else f"{summary.failed_before} files"
         terminal.note(f"{files} still cannot be read; why: motionseek status --failed {shlex.quote(place)}")
+    if summary.interrupted:
+        terminal.note("interrupted: what was read is kept; run it again to go on")
     counts = {
         "indexed": summary.indexed,
         "unchanged": summary.unchanged,

@@ -69,7 +69,8 @@ def read_table(path: Path, columns: Sequence[str]) -> list[dict[str, str]]:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise QueryError(f"{path}: cannot be read as a table ({error})") from error
+        reason = getattr(error, "strerror", None) or str(error)
+        raise QueryError(f"{path}: cannot be read as a table ({reason.lower()}); see docs/evaluation.md") from error
     rows = list(csv.DictReader(text.splitlines(), delimiter="\t" if "\t" in text.split("\n", 1)[0] else ","))
     missing = [c for c in columns if not rows or c not in rows[0]]
     if missing:

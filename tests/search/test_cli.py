@@ -62,6 +62,23 @@ def test_a_mistyped_option_gets_a_suggestion(run: Run) -> None:
     assert "--min-duration" in ran.err
 
 
+@pytest.mark.parametrize("arguments", [[], ["model"]])
+def test_without_a_command_the_help_is_shown(run: Run, arguments: list[str]) -> None:
+    ran = run(*arguments)
+    assert (ran.code, ran.err) == (0, "")
+    assert ran.out.startswith("Usage: motionseek")
+    assert ran.out.count("\n") > 10
+
+
+def test_index_wants_a_folder(takes: Path, run: Run) -> None:
+    file = run("index", takes / "take 1.npy")
+    assert (file.code, file.err.count("\n")) == (2, 1)
+    assert "index its folder" in file.err
+    nothing = run("index", takes / "nowhere")
+    assert (nothing.code, nothing.err.count("\n")) == (2, 1)
+    assert "no folder" in nothing.err
+
+
 def test_version(run: Run) -> None:
     assert run("--version").out.startswith("motionseek ")
 
@@ -387,6 +404,21 @@ def test_help_needs_no_heavy_import() -> None:
         "print(sorted({'numpy', 'onnxruntime', 'faiss', 'rich', 'torch', 'matplotlib'} & set(sys.modules)))"
     )
     assert _python("-c", code).stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="closes a stream as shells do")
+def test_a_process_without_stdout_is_no_error(indexed: Path) -> None:
+    script = "import sys; from search.cli import main; main(sys.argv[1:])"
+    command = [sys.executable, "-c", script, "status", str(indexed)]
+    done = subprocess.run(["sh", "-c", 'exec "$@" >&-', "sh", *command], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_name_that_the_encoding_lacks_is_printed_in_ascii(indexed: Path, tiny_bundle: Path) -> None:
+    script = "import sys; from search.cli import main; main(sys.argv[1:])"
+    done = _python("-c", script, "status", str(indexed), PYTHONIOENCODING="ascii")
+    assert done.returncode == 0, done.stderr
+    assert "Gr\\xf6\\xdfe" in done.stdout
 
 
 @pytest.mark.parametrize("arguments", [["status"], ["search", "--help"]])
