@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -154,6 +155,8 @@ def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
         connection = _connect(path, "rwc" if writable else "ro")
         version: int = connection.execute("PRAGMA user_version").fetchone()[0]
     except sqlite3.Error as error:
+        if path.exists() and not os.access(path, os.R_OK):
+            raise LibraryError(f"{path}: permission denied; ask its owner to let you read it") from error
         raise LibraryError(
             f"{path}: cannot be opened as a library ({error}); if it is damaged, delete its folder and index again"
         ) from error

@@ -63,7 +63,10 @@ WRITERS: dict[str, Callable[[IO[bytes], Motion], None]] = {".bvh": _write_bvh, "
 @contextmanager
 def replacing(out: Path) -> Iterator[IO[bytes]]:
     """A file that takes the place of `out` once it is whole."""
-    handle, name = tempfile.mkstemp(dir=out.absolute().parent, prefix=f".{out.name}.")
+    try:
+        handle, name = tempfile.mkstemp(dir=out.absolute().parent, prefix=f".{out.name}.")
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(out)) from None
     try:
         with os.fdopen(handle, "wb") as file:
             yield file

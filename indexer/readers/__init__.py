@@ -35,6 +35,8 @@ _FOREIGN_ENDINGS = {
     ".trc": "TRC", ".vmd": "VMD", ".vrma": "VRMA", ".pkl": "pickle", ".pt": "PyTorch",
     ".blend": "Blender", ".csv": "CSV", ".tak": "Motive TAK", ".zip": "ZIP",
 }  # fmt: skip
+#: Those that programs for animation open, and write again as BVH.
+_SCENES = frozenset({"FBX", "glTF", "USD", "Collada", "C3D", "TRC", "Blender"})
 
 
 @np.errstate(over="ignore", invalid="ignore")  # absurd values end as places that are no numbers, which are refused
@@ -96,4 +98,6 @@ def _reader(path: Path, data: bytes) -> ModuleType:
         if path.suffix.lower() in (".bvh", ".amc"):
             return _READERS[path.suffix.lower()]
     kind = kind or _FOREIGN_ENDINGS.get(path.suffix.lower())
+    if kind in _SCENES:
+        raise UnreadableMotion(path, f"{kind} cannot be read; export it as BVH, as Blender and MotionBuilder do")
     raise UnreadableMotion(path, f"{kind or 'this kind of file'} cannot be read; what can be: {', '.join(READABLE)}")

@@ -132,5 +132,6 @@ def report(summary: Summary, place: str) -> None:
         "failed": len(summary.failed),
         "failed before": summary.failed_before,
     }
-    said = ", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no motion files found"
+    nothing = "nothing indexed" if summary.interrupted else "no motion files found"
+    said = ", ".join(f"{count} {name}" for name, count in counts.items() if count) or nothing
     print(f"{said} ({summary.seconds:.1f} s)")
