@@ -28,7 +28,7 @@ class Made:
     scene : Scene
     spans : ((start, end) seconds per step group)
     captions, meanings : sentences, and the facts that each states
-    swapped : sentences that look alike but are false
+    swapped : for each caption one that looks alike but is false, empty where there is none
     """
 
     features: NDArray[np.float32]
@@ -81,10 +81,10 @@ def make(
     """
     whole = settle(scene, rng)
     clip = make_clip(whole, rng)
-    stated = {text: facts(scene) for text in said}
+    stated = {text: (facts(scene), "") for text in said}
     for _ in range(count):
-        caption = describe(whole, rng)
-        stated.setdefault(caption.text, facts(caption.scene))
+        text, meaning, twin = _caption(whole, rng)
+        stated.setdefault(text, (meaning, twin))
     banned = held_out or _none
     texts = [text for text in stated if not banned(text)]
     return Made(
@@ -92,8 +92,8 @@ def make(
         whole,
         clip.spans,
         tuple(texts),
-        tuple(stated[text] for text in texts),
-        tuple(text for text in _false_captions(whole, rng) if not banned(text)),
+        tuple(stated[text][0] for text in texts),
+        tuple("" if banned(stated[text][1]) else stated[text][1] for text in texts),
     )
 
 
@@ -101,17 +101,19 @@ def _none(_: str) -> bool:
     return False
 
 
-def _false_captions(scene: Scene, rng: Generator, tries: int = 4) -> tuple[str, ...]:
-    """A sentence that differs from true ones in order, side, direction or count alone, where the scene has such."""
-    true = facts(scene)
-    for _ in range(tries):
-        wrong = swap(scene, rng)
-        if wrong is None:
-            break
-        caption = describe(wrong, rng)
-        if not facts(caption.scene) <= true:
-            return (caption.text,)
-    return ()
+def _caption(scene: Scene, rng: Generator) -> tuple[str, frozenset[str], str]:
+    """A caption, the facts it states, and its twin: the same wording, of which one thing is false; empty if none is.
+
+    Both are written with the same chance, so that most differ in nothing but the order, side, direction or count.
+    """
+    chance = int(rng.integers(2**62))
+    true = describe(scene, np.random.default_rng(chance))
+    wrong = swap(scene, rng)
+    if wrong is not None:
+        false = describe(wrong, np.random.default_rng(chance))
+        if not facts(false.scene) <= facts(scene) and not facts(true.scene) <= facts(wrong):
+            return true.text, facts(true.scene), false.text
+    return true.text, facts(true.scene), ""
 
 
 def made_clips(

@@ -76,10 +76,14 @@ def pieces(takes: Iterable[CaptionedTake]) -> Iterator[Piece]:
 
 
 def joined_pair(first: Piece, second: Piece, rng: Generator) -> tuple[Motion, tuple[str, ...], tuple[str, ...]]:
-    """One after the other: the motion, sentences true of it, and a sentence with the order swapped."""
+    """One after the other: the motion, sentences true of it, and the same with the order swapped."""
     motion = Motion(join([first.joints, second.joints]), FPS)
-    true = tuple(_say(first, second, _THEN, rng) for _ in range(2))
-    return motion, true, (_say(second, first, _THEN, rng),)
+    chances = rng.integers(2**62, size=2)
+    true, false = (
+        tuple(_say(a, b, _THEN, np.random.default_rng(chance)) for chance in chances)
+        for a, b in ((first, second), (second, first))
+    )
+    return motion, true, false
 
 
 def laid_over(carrier: Piece, gesture: Piece, rng: Generator) -> tuple[Motion, tuple[str, ...], tuple[str, ...]]:

@@ -64,9 +64,9 @@ class Batches:
         chosen = [int(rng.integers(len(store.captions[i]))) for store, i in picks]
         own = [int(self.rows[id(store)][store.captions[i][c]]) for (store, i), c in zip(picks, chosen, strict=True)]
         swapped = [
-            (row, int(self.rows[id(store)][rng.choice(store.swapped[i])]))
-            for row, (store, i) in enumerate(picks)
-            if store.swapped[i]
+            (row, int(self.rows[id(store)][twin]))
+            for row, ((store, i), c) in enumerate(zip(picks, chosen, strict=True))
+            if (twin := store.swapped[i][c]) >= 0
         ][: recipe.hard_negatives]
         away = rng.choice(self.unrelated, size=recipe.unrelated) if recipe.unrelated else np.zeros(0, np.int64)
         motions = [self._motion(store, i, rng) for store, i in picks]

@@ -25,7 +25,8 @@ class Pair:
     captions : sentences that are true of the motion
     meanings : for each caption the facts it states (made clips), or None (real clips: only the words are known)
     facts : everything true of the motion (made clips), or None
-    swapped : sentences that look alike but are false: order, side, direction or count changed
+    swapped : for each caption one that looks alike but is false (order, side, direction or count changed), or empty;
+        nothing at all where no caption has one
     """
 
     features: NDArray[np.floating]
@@ -41,7 +42,7 @@ class PairStore:
     Attributes
     ----------
     features : float16 (sum of T, F); offsets : int64 (N + 1)
-    texts : distinct sentences; captions, swapped : for each pair indices into `texts`
+    texts : distinct sentences; captions, swapped : for each pair indices into `texts`, -1 for none
     vocabulary : distinct facts; facts : for each pair indices into it, or None
     meanings : for each pair, for each caption, indices into `vocabulary`
     """
@@ -61,7 +62,8 @@ class PairStore:
             blocks.append(np.asarray(pair.features, dtype=np.float16))
             lengths.append(len(pair.features))
             self.captions.append([_intern(text, text_index, self.texts) for text in pair.captions])
-            self.swapped.append([_intern(text, text_index, self.texts) for text in pair.swapped])
+            twins = pair.swapped or ("",) * len(pair.captions)
+            self.swapped.append([_intern(text, text_index, self.texts) if text else -1 for text in twins])
             self.facts.append(
                 None if pair.facts is None else [_intern(f, fact_index, self.vocabulary) for f in sorted(pair.facts)]
             )
@@ -119,7 +121,7 @@ class PairStore:
                 tuple(self.texts[t] for t in self.captions[i]),
                 None if meanings is None else tuple(frozenset(self.vocabulary[f] for f in m) for m in meanings),
                 None if facts is None else frozenset(self.vocabulary[f] for f in facts),
-                tuple(self.texts[t] for t in self.swapped[i]),
+                _false(self.texts, self.swapped[i]),
             )
 
 
@@ -130,6 +132,11 @@ def sides_conflict(texts: Sequence[str]) -> NDArray[np.bool_]:
     only_left, only_right = left & ~right, right & ~left
     conflict = only_left[:, None] & only_right[None, :]
     return conflict | conflict.T
+
+
+def _false(texts: Sequence[str], twins: Sequence[int]) -> tuple[str, ...]:
+    """The sentences of a row of `swapped`; none at all where all are missing."""
+    return tuple(texts[t] if t >= 0 else "" for t in twins) if any(t >= 0 for t in twins) else ()
 
 
 def _intern(item: str, index: dict[str, int], items: list[str]) -> int:

@@ -73,11 +73,15 @@ def real_store(
         Pair(kind.compute(motion), true, swapped=false)
         for motion, true, false in recombined(takes, recombine, np.random.default_rng(TRAINING))
     )
-    return PairStore(
-        replace(pair, captions=kept)
-        for pair in chain(own, new)
-        if (kept := tuple(caption for caption in pair.captions if not held_out(caption)))
-    )
+    allowed = (_without(pair, held_out) for pair in chain(own, new))
+    return PairStore(pair for pair in allowed if pair.captions)
+
+
+def _without(pair: Pair, held_out: HeldOut) -> Pair:
+    """The pair without the captions that are held out, and without their false twins."""
+    kept = [i for i, caption in enumerate(pair.captions) if not held_out(caption)]
+    swapped = tuple("" if held_out(pair.swapped[i]) else pair.swapped[i] for i in kept) if pair.swapped else ()
+    return replace(pair, captions=tuple(pair.captions[i] for i in kept), swapped=swapped)
 
 
 def unrelated_sentences(count: int, seed: int = 0) -> list[str]:

@@ -52,7 +52,7 @@ class Validation:
             "strict_R@1": 100 * float(np.mean(strict < 1)),
             "strict_MedR": float(np.median(strict)) + 1,
         }
-        changed = [i for i, row in enumerate(store.swapped) if row]
+        changed = [i for i, row in enumerate(store.swapped) if row[0] >= 0]
         if changed:
             wrong = embed_texts(model, self.tokens, [self.texts[store.texts[store.swapped[i][0]]] for i in changed])
             told = np.einsum("nd,nd->n", wrong, motions[changed]) < np.diagonal(similarity)[changed]

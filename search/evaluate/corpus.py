@@ -37,7 +37,7 @@ def evaluate_corpus(clips: Iterable[Made], bundle: Bundle) -> dict[str, dict[str
     }
     if len(clips) >= _BATCH:
         figures[f"batches of {_BATCH}, text -> motion"] = in_batches(similarity, _BATCH)["text->motion"]
-    changed = [i for i, clip in enumerate(clips) if clip.swapped]
+    changed = [i for i, clip in enumerate(clips) if clip.swapped and clip.swapped[0]]
     if changed:
         false = np.einsum("nd,nd->n", bundle.encode_texts([clips[i].swapped[0] for i in changed]), gallery[changed])
         told = np.diagonal(similarity)[changed] > false

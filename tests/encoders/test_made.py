@@ -46,6 +46,17 @@ def test_everything_a_caption_states_is_true_of_its_clip(unacted: FeatureKind) -
         assert all(meaning and meaning <= facts(clip.scene) for meaning in clip.meanings)
 
 
+def test_a_twin_says_nearly_the_same_in_nearly_the_same_words(unacted: FeatureKind) -> None:
+    changed = [
+        len(set(text.split()) ^ set(twin.split()))
+        for clip in made_clips(6, 60, unacted)
+        for text, twin in zip(clip.captions, clip.swapped, strict=True)
+        if twin
+    ]
+    assert len(changed) > 30
+    assert np.median(changed) <= 4
+
+
 def test_swapped_captions_are_false(unacted: FeatureKind) -> None:
     read = [
         (facts(meant), facts(clip.scene))

@@ -14,7 +14,7 @@ MADE = Pair(
     ("walks", "a person walks left"),
     (frozenset({"walk"}), frozenset({"walk", "walk.direction=left"})),
     frozenset({"walk", "walk.direction=left"}),
-    ("a person walks right",),
+    ("", "a person walks right"),
 )
 REAL = Pair(np.ones((2, 3)), ("a man strolls", "walks"))
 
@@ -32,7 +32,7 @@ def test_pairs_come_out_as_they_went_in() -> None:
 
 
 def test_a_sentence_is_kept_once() -> None:
-    assert sorted(PairStore([MADE, REAL]).texts) == sorted({*MADE.captions, *MADE.swapped, *REAL.captions})
+    assert sorted(PairStore([MADE, REAL]).texts) == sorted({*MADE.captions, MADE.swapped[1], *REAL.captions})
 
 
 def test_a_store_survives_its_file(tmp_path: Path) -> None:

@@ -65,9 +65,8 @@ def made(kind: int, seed: int) -> Pair:
     axis = np.random.default_rng(kind).normal(size=FEATURES)
     features = axis + 0.1 * rng.normal(size=(int(rng.integers(8, 16)), FEATURES))
     facts = frozenset({"moves", f"kind{kind}"})
-    return Pair(
-        features, (f"kind{kind}", "moves"), (facts, frozenset({"moves"})), facts, (f"kind{(kind + 1) % KINDS}",)
-    )
+    false = (f"kind{(kind + 1) % KINDS}", "")
+    return Pair(features, (f"kind{kind}", "moves"), (facts, frozenset({"moves"})), facts, false)
 
 
 def store(per_kind: int, seed: int) -> PairStore:

@@ -18,7 +18,6 @@ _OPPOSITE_DIRECTION = {
     "forward-left": "forward-right", "forward-right": "forward-left",
     "backward-left": "backward-right", "backward-right": "backward-left",
 }  # fmt: skip
-_OPPOSITE_SPEED = {"slow": "fast", "fast": "slow"}
 
 
 def _legal(step: Step) -> bool:
@@ -39,8 +38,6 @@ def _changes(step: Step) -> list[Step]:
         changed.append(replace(step, direction=_OPPOSITE_DIRECTION[step.direction]))
     if step.count:
         changed += [replace(step, count=step.count + more) for more in (-2, -1, 1, 2) if step.count + more > 0]
-    if step.speed in _OPPOSITE_SPEED:
-        changed.append(replace(step, speed=_OPPOSITE_SPEED[step.speed]))
     return [other for other in changed if _legal(other)]
 
 
