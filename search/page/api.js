@@ -55,7 +55,7 @@ const askJson = async (url, options) => (await ask(url, options)).json();
 export const search = (q, filters, k, offset, signal) => askJson(address("search", { q, k, offset, ...filters }), { signal });
 
 /** Moments of the whole library. @param {AbortSignal} [signal] @returns {Promise<{hits: Hit[]}>} */
-export const moments = (q, filters, k, signal) => askJson(address("moments", { q, k, ...filters }), { signal });
+export const moments = (q, filters, k, offset, signal) => askJson(address("moments", { q, k, offset, ...filters }), { signal });
 
 /**
  * Moments of one clip, and how alike it is to the sentence over time.
@@ -67,8 +67,8 @@ export const momentsIn = (clip, q, k = 8) => askJson(address("moments", { clip, 
 export const describe = (clip, start, end, k = 5) => askJson(address("describe", { clip, start, end, k }));
 
 /** @param {AbortSignal} [signal] @returns {Promise<{query: string, hits: Hit[]}>} */
-export const similar = (clip, start, end, filters, k, signal) =>
-  askJson(address("similar", { clip, start, end, k, ...filters }), { signal });
+export const similar = (clip, start, end, filters, k, offset, signal) =>
+  askJson(address("similar", { clip, start, end, k, offset, ...filters }), { signal });
 
 /** @param {AbortSignal} [signal] @returns {Promise<{total: number, motions: MotionInfo[]}>} */
 export const motions = (filters, limit, offset, signal) => askJson(address("motions", { limit, offset, ...filters }), { signal });

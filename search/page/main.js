@@ -94,7 +94,7 @@ byId("filters").addEventListener("input", () => {
   clearTimeout(narrowing);
   narrowing = setTimeout(() => go(Object.fromEntries(new FormData(byId("filters"))), { quietly: true }), PAUSE);
 });
-byId("filters").addEventListener("reset", () => go({ min: "", max: "", path: "", format: "", captioned: "" }));
+byId("filters").addEventListener("reset", () => go({ min: "", max: "", path: "", format: "", rig: "", captioned: "" }));
 byId("filters-button").addEventListener("click", () => {
   byId("filters").hidden = !byId("filters").hidden;
   byId("filters-button").setAttribute("aria-expanded", String(!byId("filters").hidden));
@@ -162,6 +162,10 @@ listen([
   { key: ".", says: "one frame back or on", shown: ", .", viewer: true, act: () => viewer.step(0.05) },
   { key: "[", says: "in point here", viewer: true, act: () => viewer.markHere("in") },
   { key: "]", says: "out point here", viewer: true, act: () => viewer.markHere("out") },
+  { key: "+", shown: "+ - 0", says: "zoom the time line", viewer: true, act: () => viewer.timeline.zoomBy(2) },
+  { key: "=", shown: "+ - 0", says: "zoom the time line", viewer: true, act: () => viewer.timeline.zoomBy(2) },
+  { key: "-", shown: "+ - 0", says: "zoom the time line", viewer: true, act: () => viewer.timeline.zoomBy(1 / 2) },
+  { key: "0", shown: "+ - 0", says: "zoom the time line", viewer: true, act: () => viewer.timeline.zoomBy(0) },
   { key: "l", says: "loop", viewer: true, act: () => byId("loop").click() },
   { key: "t", says: "trail", viewer: true, act: () => byId("trail").click() },
   { key: "a", says: "ask the take another sentence", viewer: true, act: () => byId("track").focus() },
@@ -182,9 +186,11 @@ async function lookAtLibrary() {
   const grown = generation >= 0;
   generation = stats.generation;
   if (stage) byId("library").textContent = `${stats.clips} clips · ${clock(stats.seconds)}`;
-  const format = byId("filters").elements.format;
-  format.replaceChildren(format.options[0], ...Object.keys(stats.formats).map((name) => el("option", { value: name }, name)));
-  format.value = read().format;
+  for (const [name, counts] of [["format", stats.formats], ["rig", stats.rigs]]) {
+    const select = byId("filters").elements[name];
+    select.replaceChildren(select.options[0], ...Object.keys(counts).map((value) => el("option", { value }, `${value} (${counts[value]})`)));
+    select.value = read()[name];
+  }
   if (!grown) return;
   plane.refresh({ again: true });
   if (read().view === "map" || !grid.cards.length) { results.asked = ""; show(read()); } // prettier-ignore

@@ -71,7 +71,7 @@ export class Plane {
     data.clips.forEach((_, i) => {
       const [x, y] = this.#place(i);
       const answer = this.answers.get(i);
-      const dim = (lit && !answer) || (this.label >= 0 && data.label[i] !== this.label) || (this.picked.size > 0 && !this.picked.has(i));
+      const dim = (lit && !answer) || (this.picked.size > 0 && !this.picked.has(i));
       pen.globalAlpha = dim ? 0.22 : 1;
       pen.fillStyle = colour(data.label[i]);
       pen.beginPath();
@@ -111,7 +111,7 @@ export class Plane {
         if (i !== undefined) this.answers.set(i, hit);
       }
       byId("map-said").textContent = sure.length ? `${this.answers.size} clips answer “${state.q}”.` : `Nothing surely answers “${state.q}”: the nearest are ringed.`;
-    } else byId("map-said").textContent = "Hover to see a clip move. Draw around points to pick them.";
+    } else byId("map-said").textContent = "Hover to see a clip move. Draw around points to pick them (Shift: a rectangle), or Shift and click.";
     this.draw();
   }
 
@@ -123,9 +123,8 @@ export class Plane {
       const button = el("button", { type: "button", "aria-pressed": String(i === this.label) },
         el("span", { class: `swatch k${i < COLOURS ? i : "other"}`, "aria-hidden": "true" }), el("span", {}, text), el("small", {}, counts[i]));
       button.addEventListener("click", () => {
-        this.label = this.label === i ? -1 : i;
-        [...byId("labels").querySelectorAll("button")].forEach((other, j) => other.setAttribute("aria-pressed", String(j === this.label)));
-        this.draw();
+        const kind = this.label === i ? -1 : i;
+        this.#take(this.#where((j) => data.label[j] === kind), kind);
       });
       return el("li", {}, button);
     })); // prettier-ignore
@@ -158,32 +157,47 @@ export class Plane {
     addEventListener("pointermove", (event) => {
       const at = this.#at(event);
       if (!this.lasso.length && Math.hypot(at[0] - x, at[1] - y) < 6) return;
-      if (!this.lasso.length) this.lasso.push([x, y]);
-      this.lasso.push(at);
+      if (event.shiftKey) this.lasso = [[x, y], [at[0], y], at, [x, at[1]]];
+      else this.lasso.push(...(this.lasso.length ? [] : [/** @type {[number, number]} */ ([x, y])]), at);
       this.#hover(-1);
       this.draw();
     }, { signal: stop.signal }); // prettier-ignore
-    const end = () => {
+    const end = (/** @type {PointerEvent} */ event) => {
       stop.abort();
-      if (this.lasso.length > 2) this.#pick();
-      else if (this.hovered >= 0) go({ clip: String(this.data?.clips[this.hovered]) });
-      else this.#pick();
+      const { lasso } = this;
       this.lasso = [];
-      this.draw();
+      if (lasso.length > 2) this.#take(this.#where((i) => inside(this.#place(i), lasso)));
+      else if (this.hovered < 0) this.#take(new Set());
+      else if (event.shiftKey) this.#toggle(this.hovered);
+      else go({ clip: String(this.data?.clips[this.hovered]) });
     };
     for (const name of ["pointerup", "pointercancel"]) addEventListener(name, end, { signal: stop.signal });
   }
 
-  /** Take what lies inside the lasso; an empty one lets go of all. */
-  #pick() {
+  /** The places in the data that meet a condition. @param {(i: number) => boolean} condition */
+  #where(condition) {
+    return new Set(/** @type {import("./api.js").MapData} */ (this.data).clips.map((_, i) => i).filter(condition));
+  }
+
+  /** Pick a point more, or let go of it. @param {number} i */
+  #toggle(i) {
+    const picked = new Set(this.picked);
+    if (!picked.delete(i)) picked.add(i);
+    this.#take(picked);
+  }
+
+  /** Pick points, those of a label where one was chosen; none lets go of all. @param {Set<number>} picked */
+  #take(picked, label = -1) {
     const data = /** @type {import("./api.js").MapData} */ (this.data);
-    this.picked = new Set(data.clips.map((_, i) => i).filter((i) => this.lasso.length > 2 && inside(this.#place(i), this.lasso)));
+    [this.picked, this.label] = [picked, label];
+    [...byId("labels").querySelectorAll("button")].forEach((button, i) => button.setAttribute("aria-pressed", String(i === label)));
     const ids = [...this.picked].map((i) => data.clips[i]);
     const shown = ids.slice(0, MOST_PICKED);
     byId("picked").hidden = !ids.length;
     byId("picked").textContent = `Show ${ids.length > shown.length ? `${shown.length} of ` : ""}${ids.length} picked`;
     byId("picked").href = link({ view: "", ids: shown.join(","), q: "", like: "" });
     byId("map-said").textContent = ids.length ? `${ids.length} clips picked.` : "Nothing picked.";
+    this.draw();
   }
 
   /** Arrow keys go to the nearest point that way. @param {KeyboardEvent} event */
@@ -191,6 +205,11 @@ export class Plane {
     const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     if (!this.data?.clips.length || event.ctrlKey || event.metaKey) return;
     if (event.key === "Enter" && this.hovered >= 0) go({ clip: String(this.data.clips[this.hovered]) });
+    if (event.key === " " && this.hovered >= 0) {
+      event.preventDefault();
+      event.stopPropagation();
+      this.#toggle(this.hovered);
+    }
     if (!way) return;
     event.preventDefault();
     if (this.hovered < 0) return this.#hover([...this.answers.keys()][0] ?? 0);

@@ -7,6 +7,7 @@ import { byId, clock, el } from "./dom.js";
 import { filters, link } from "./state.js";
 
 const PAGE = 24;
+const FARTHEST = 200; // answers after which moments and likenesses have no more
 const SUGGESTIONS = ["a person walks forward", "someone waves with the right hand", "running and then jumping", "a person kicks a ball", "sits down on a chair", "climbs up a ladder", "dances happily"];
 
 export class Results {
@@ -101,13 +102,13 @@ async function answer(state, offset, signal) {
     return { hits, said: `${state.ids.split(",").length} clips picked on the map`, total: state.ids.split(",").length };
   }
   if (state.like) {
-    const { hits, query } = await api.similar(state.like, state.from, state.to, given, PAGE, signal);
+    const { hits, query } = await api.similar(state.like, state.from, state.to, given, PAGE, offset, signal);
     const span = state.from ? ` from ${state.from} to ${state.to} s` : "";
-    return { hits, said: `Moves like ${query}${span}`, total: 0 };
+    return { hits, said: `Moves like ${query}${span}`, total: FARTHEST };
   }
   if (state.q && state.moments) {
-    const { hits } = await api.moments(state.q, given, PAGE, signal);
-    return { hits, said: counted(hits, "moment", state.q), total: 0 };
+    const { hits } = await api.moments(state.q, given, PAGE, offset, signal);
+    return { hits, said: counted(hits, "moment", state.q), total: FARTHEST };
   }
   if (state.q) {
     const { hits } = await api.search(state.q, given, PAGE, offset, signal);

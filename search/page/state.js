@@ -10,6 +10,7 @@
  * @property {string} max          seconds at most
  * @property {string} path         a pattern
  * @property {string} format
+ * @property {string} rig          a kind of skeleton, as the server calls it
  * @property {string} captioned    "true" or "false"
  * @property {string} like         a clip: show what is like it…
  * @property {string} from         …or like this span of it
@@ -22,7 +23,7 @@
  * @property {string[]} ask        further sentences asked of the open clip
  */
 
-const NAMES = /** @type {const} */ (["q", "moments", "min", "max", "path", "format", "captioned", "like", "from", "to", "ids", "view", "clip", "a", "b"]);
+const NAMES = /** @type {const} */ (["q", "moments", "min", "max", "path", "format", "rig", "captioned", "like", "from", "to", "ids", "view", "clip", "a", "b"]);
 
 /** @returns {State} */
 export function read(hash = location.hash) {
@@ -67,6 +68,6 @@ export const note = (changes) => history.replaceState(null, "", link(changes));
 addEventListener("popstate", tell);
 
 /** The filters as the server takes them. @param {State} state */
-export const filters = ({ min, max, path, format, captioned }) => ({
-  min_duration: min, max_duration: max, path, format, captioned,
+export const filters = ({ min, max, path, format, rig, captioned }) => ({
+  min_duration: min, max_duration: max, path, format, rig, captioned,
 }); // prettier-ignore

@@ -1,5 +1,6 @@
 /**
- * The time line under a take: one coloured track a sentence, found moments, in and out points, the play head.
+ * The time line under a take: one coloured track a sentence, found moments, in and out points, the play head. It can be
+ * zoomed: it is then wider than its place, which scrolls.
  */
 
 import { clamp, clock, el, svg } from "./dom.js";
@@ -7,6 +8,8 @@ import { clamp, clock, el, svg } from "./dom.js";
 const HEIGHT = 40;
 const LEAST_SPREAD = 0.2; // of similarity: less is not stretched over the whole height
 const SHORTEST_CUT = 0.1;
+const CLOSEST = 20; // seconds that are seen at least
+const MARKS = 12; // on the ruler, at most, in what is seen
 
 /**
  * @typedef {{text: string, colour: number, removable: boolean, times: number[], similarity: number[],
@@ -20,7 +23,7 @@ export class Timeline {
    *   onRemove: (text: string) => void, onMoment: (hit: import("./api.js").Hit) => void}} calls
    */
   constructor(root, calls) {
-    Object.assign(this, { root, calls, duration: 1, from: 0, to: 1 });
+    Object.assign(this, { root, calls, duration: 1, from: 0, to: 1, now: 0, zoom: 1 });
     this.tracks = el("div", { class: "tracks" });
     this.ruler = el("div", { class: "ruler", "aria-hidden": "true" });
     this.before = el("div", { class: "shade" });
@@ -28,20 +31,71 @@ export class Timeline {
     this.head = this.#slider("head", "Position", (time) => calls.onSeek(time));
     this.in = this.#slider("handle in", "In point", (time, done) => this.#cut(time, this.to, done));
     this.out = this.#slider("handle out", "Out point", (time, done) => this.#cut(this.from, time, done));
-    root.replaceChildren(this.tracks, this.ruler, el("div", { class: "over" }, this.before, this.after, this.in, this.out, this.head));
+    const over = el("div", { class: "over" }, this.before, this.after, this.in, this.out, this.head);
+    this.strip = el("div", { class: "strip" }, this.tracks, this.ruler, over);
+    root.replaceChildren(this.strip);
     root.addEventListener("pointerdown", (event) => {
       if (/** @type {Element} */ (event.target).closest("button, [role=slider]") || event.button !== 0) return;
       this.#drag(event, (time) => calls.onSeek(time));
     });
+    root.addEventListener("wheel", (event) => {
+      if (!event.ctrlKey) return;
+      event.preventDefault();
+      this.zoomBy(Math.exp(-event.deltaY * 0.005), this.#time(event));
+    }, { passive: false }); // prettier-ignore
   }
 
   /** @param {number} duration @param {number} from @param {number} to */
   open(duration, from, to) {
     this.duration = Math.max(duration, 0.05);
-    const step = [0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600].find((seconds) => duration / seconds <= 12) ?? 1800;
-    const marks = Array.from({ length: Math.floor(duration / step) + 1 }, (_, i) => i * step);
-    this.ruler.replaceChildren(...marks.map((at) => this.#at(el("span", {}, step < 1 ? at.toFixed(1) : at < 60 ? `${at}` : clock(at)), at)));
     this.mark(from, to);
+    this.zoomBy(0);
+  }
+
+  /** How far it can be zoomed in. */
+  get most() {
+    return Math.max(this.duration / CLOSEST, 1);
+  }
+
+  /** Zoom in (a factor above 1) or out, a second staying where it is; 0 shows the whole take. @param {number} factor */
+  zoomBy(factor, time = this.now) {
+    const before = this.#place(time);
+    this.zoom = clamp(this.zoom * factor, 1, this.most);
+    this.strip.style.setProperty("--zoom", String(this.zoom));
+    this.root.scrollLeft += this.#place(time) - before;
+    if (factor !== 0 && time === this.now) this.#reveal();
+    this.#rule();
+  }
+
+  #rule() {
+    const seen = this.duration / this.zoom;
+    const step = [0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600].find((seconds) => seen / seconds <= MARKS) ?? 1800;
+    const marks = Array.from({ length: Math.floor(this.duration / step) + 1 }, (_, i) => i * step);
+    this.ruler.replaceChildren(...marks.map((at) => this.#at(el("span", {}, step < 1 ? at.toFixed(1) : at < 60 ? `${at}` : clock(at)), at)));
+  }
+
+  /** Where a second lies, in pixels of the window. @param {number} time */
+  #place(time) {
+    const { left, width } = this.ruler.getBoundingClientRect();
+    return left + (time / this.duration) * width;
+  }
+
+  /** The second under the pointer. @param {MouseEvent} event */
+  #time(event) {
+    const { left, width } = this.ruler.getBoundingClientRect();
+    return clamp((event.clientX - left) / width, 0, 1) * this.duration;
+  }
+
+  /** How far outside of what is seen the play head is, in pixels. */
+  #outside() {
+    const { left, right } = this.root.getBoundingClientRect();
+    const place = this.#place(this.now);
+    return Math.min(place - left, 0) + Math.max(place - right, 0);
+  }
+
+  /** Scroll to where the play head is, with what follows it in sight. */
+  #reveal() {
+    if (this.#outside()) this.root.scrollLeft += this.#place(this.now) - this.root.getBoundingClientRect().left - 0.1 * this.root.clientWidth;
   }
 
   /** Show the in and out points. @param {number} from @param {number} to */
@@ -55,7 +109,10 @@ export class Timeline {
 
   /** @param {number} time */
   seek(time) {
+    const followed = this.zoom > 1 && !this.held && !this.#outside(); // who scrolled elsewhere is left there
+    this.now = time;
     this.#value(this.head, time);
+    if (followed) this.#reveal();
   }
 
   /** @param {Track[]} tracks drawn on one scale, so that they can be compared */
@@ -119,11 +176,11 @@ export class Timeline {
   /** @param {PointerEvent} down @param {(time: number, done: boolean) => void} set */
   #drag(down, set) {
     down.stopPropagation();
-    const box = this.ruler.getBoundingClientRect();
-    const time = (/** @type {PointerEvent} */ event) => clamp((event.clientX - box.left) / box.width, 0, 1) * this.duration;
+    const time = (/** @type {PointerEvent} */ event) => this.#time(event);
+    this.held = true;
     const stop = new AbortController();
     addEventListener("pointermove", (event) => set(time(event), false), { signal: stop.signal });
-    for (const end of ["pointerup", "pointercancel"]) addEventListener(end, (event) => { stop.abort(); set(time(/** @type {PointerEvent} */ (event)), true); }, { signal: stop.signal }); // prettier-ignore
+    for (const end of ["pointerup", "pointercancel"]) addEventListener(end, (event) => { stop.abort(); this.held = false; set(time(/** @type {PointerEvent} */ (event)), true); }, { signal: stop.signal }); // prettier-ignore
     set(time(down), false);
   }
 

@@ -31,6 +31,8 @@ export class Viewer {
     byId("loop").addEventListener("change", () => this.view && (this.view.loop = byId("loop").checked));
     byId("trail").addEventListener("change", () => this.#showTrail());
     byId("whole").addEventListener("click", () => this.cut(0, this.info?.duration ?? 0, true));
+    byId("zoom-in").addEventListener("click", () => this.timeline.zoomBy(2));
+    byId("zoom-out").addEventListener("click", () => this.timeline.zoomBy(1 / 2));
     byId("export-format").addEventListener("change", () => this.#showCut());
     byId("ask-track").addEventListener("submit", (/** @type {Event} */ event) => {
       event.preventDefault();
@@ -114,6 +116,7 @@ export class Viewer {
       this.#showInfo(info);
       const [from, to] = [Number(state.a) || 0, Math.min(Number(state.b) || info.duration, info.duration)];
       this.timeline.open(info.duration, 0, info.duration);
+      byId("zoom").hidden = this.timeline.most <= 1;
       if (this.view) {
         this.view.show(motion);
         Object.assign(this.view, { playing: this.isPlaying(), loop: byId("loop").checked, speed: Number(byId("speed").value) });

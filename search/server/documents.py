@@ -97,7 +97,7 @@ class CaptionedMotionShape(MotionShape):
 
 class MotionsShape(BaseModel):
     total: int
-    motions: list[MotionShape]
+    motions: list[CaptionedMotionShape]
 
 
 class SkeletonShape(BaseModel):

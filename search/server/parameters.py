@@ -16,6 +16,8 @@ Sentences = Annotated[list[Annotated[str, Query(**_TEXT)]], Query(min_length=1, 
 ClipRef = Annotated[str, Query(pattern=r"^([0-9]{1,18}|u[0-9a-f]{32})$", description="A clip, by its number.")]
 Count = Annotated[int, Query(ge=1, le=200, description="At most so many.")]
 Offset = Annotated[int, Query(ge=0, le=10_000, description="Leave out so many of the first.")]
+#: As `Offset`, of answers that are looked for one by one.
+NearOffset = Annotated[int, Query(ge=0, le=200, description="Leave out so many of the first.")]
 _Seconds = Query(ge=0, le=1e6, allow_inf_nan=False)
 Start = Annotated[float | None, _Seconds]
 End = Annotated[float | None, _Seconds]

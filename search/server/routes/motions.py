@@ -14,6 +14,7 @@ from starlette.background import BackgroundTask
 from encoders.errors import QueryError
 from encoders.motion import FPS, Motion
 from encoders.skeleton import JOINTS, PARENTS
+from indexer.clips import Clip
 from search.export import write_cut
 from search.server import documents, joints
 from search.server.documents import answer
@@ -33,13 +34,16 @@ def routes(state: State) -> APIRouter:
     router = APIRouter(prefix="/api", tags=["motions"], default_response_class=Response, responses=ANY)
     library = state.library
 
+    def captioned(clip: Clip) -> dict[str, Any]:
+        return documents.motion(clip) | {"captions": documents.captions(library.captions(clip.id))}
+
     @router.get("/motions", responses=ok(documents.MotionsShape))
     def motions(given: Filters, offset: Annotated[int, Query(ge=0, le=10**9)] = 0, limit: Count = 24) -> Response:
         """The library page by page, in order of clip numbers."""
         allowed = library.allowed(**given)
         ids = library.ids() if allowed is None else allowed
         clips = library.clips(ids[offset : offset + limit].tolist())
-        return answer({"total": len(ids), "motions": [documents.motion(clip) for clip in clips.values()]})
+        return answer({"total": len(ids), "motions": [captioned(clip) for clip in clips.values()]})
 
     @router.get("/motions/{clip}", responses=ok(documents.CaptionedMotionShape) | NO_CLIP)
     def motion(clip: _Clip) -> Response:
@@ -47,7 +51,7 @@ def routes(state: State) -> APIRouter:
         found = state.clip(clip)
         if isinstance(found, Upload):
             return answer(_uploaded(found))
-        return answer(documents.motion(found) | {"captions": documents.captions(library.captions(found.id))})
+        return answer(captioned(found))
 
     @router.get("/motions/{clip}/joints", responses=_BYTES | NO_CLIP)
     def motion_joints(

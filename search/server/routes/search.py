@@ -11,11 +11,13 @@ from search.question import Question
 from search.server import documents
 from search.server.documents import encoded
 from search.server.errors import ANY, NO_CLIP, UPLOAD, ok
-from search.server.parameters import ClipRef, Count, FileName, Filters, Offset, Sentence, Sentences, Span
+from search.server.parameters import ClipRef, Count, FileName, Filters, NearOffset, Offset, Sentence, Sentences, Span
 from search.server.served import Search
 from search.server.state import State
 from search.source import Source
 from search.takes import curves, describe_motion, moments_in
+
+Given = dict[str, Any]
 
 _BODY: dict[str, Any] = {
     "requestBody": {
@@ -52,17 +54,19 @@ def routes(state: State) -> APIRouter:
         split: bool = True,
         clip: ClipRef | None = None,
         k: Count = 10,
+        offset: NearOffset = 0,
     ) -> Response:
         """Where it happens: in one take, with the similarity over time, or anywhere in the library."""
         question = Question.of(q, then, meanwhile, split_steps=split)
 
         def in_library() -> bytes:
-            return _written(_moments(question, documents.hits(library.answer(question, k=k, **given))))
+            found = library.answer(question, k=offset + k, **given)[offset:]
+            return _written(_moments(question, documents.hits(found)))
 
         def in_clip() -> bytes:
             assert clip is not None
             source = state.source(clip)
-            found = documents.hits(moments_in(library.bundle, source, question, k), clip)
+            found = documents.hits(moments_in(library.bundle, source, question, offset + k)[offset:], clip)
             return _written(_moments(question, found) | {"curve": _curve(state, source, question)})
 
         return encoded(await state.remembered(_asked(request), in_library if clip is None else in_clip))
@@ -98,26 +102,40 @@ def routes(state: State) -> APIRouter:
         return encoded(await state.at_length(lambda: described(upload.source, upload.key, span, k)))
 
     def alike(
-        source: Source, ref: str, span: tuple[float | None, float | None], moments: bool, k: int, given: dict[str, Any]
+        source: Source, ref: str, span: tuple[float | None, float | None], moments: bool, part: slice, given: Given
     ) -> bytes:
-        found = documents.hits(library.similar(cast(Any, source), k, *span, moments=moments, **given))
-        return _written({"query": source.path, "hits": found, "clip": _ref(source, ref)})
+        found = library.similar(cast(Any, source), part.stop, *span, moments=moments, **given)[part]
+        return _written({"query": source.path, "hits": documents.hits(found), "clip": _ref(source, ref)})
 
     @router.get("/similar", responses=ok(documents.SimilarShape) | NO_CLIP)
     async def similar(
-        request: Request, clip: ClipRef, span: Span, given: Filters, moments: bool = False, k: Count = 10
+        request: Request,
+        clip: ClipRef,
+        span: Span,
+        given: Filters,
+        moments: bool = False,
+        k: Count = 10,
+        offset: NearOffset = 0,
     ) -> Response:
         """The clips, or with `moments` the spans, that move like a clip or a span of it."""
-        make = lambda: alike(state.source(clip), clip, span, moments, k, given)  # noqa: E731
+        part = slice(offset, offset + k)
+        make = lambda: alike(state.source(clip), clip, span, moments, part, given)  # noqa: E731
         return encoded(await state.remembered(_asked(request), make))
 
     @router.post("/similar", openapi_extra=_BODY, responses=ok(documents.SimilarShape) | UPLOAD)
     async def similar_upload(
-        request: Request, name: FileName, span: Span, given: Filters, moments: bool = False, k: Count = 10
+        request: Request,
+        name: FileName,
+        span: Span,
+        given: Filters,
+        moments: bool = False,
+        k: Count = 10,
+        offset: NearOffset = 0,
     ) -> Response:
         """The clips, or with `moments` the spans, that move like an uploaded motion."""
         upload = await state.uploads.receive(request, name)
-        return encoded(await state.at_length(lambda: alike(upload.source, upload.key, span, moments, k, given)))
+        part = slice(offset, offset + k)
+        return encoded(await state.at_length(lambda: alike(upload.source, upload.key, span, moments, part, given)))
 
     return router
 

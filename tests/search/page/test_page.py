@@ -278,6 +278,80 @@ def test_the_map_shows_clips_under_the_pointer_and_picks_by_lasso(opened):
     assert len(_state(page)["ids"].split(",")) == 5
 
 
+def test_points_are_picked_by_rectangle_by_label_and_by_keys(opened):
+    page = opened("view=map")
+    page.wait_for_selector("#labels li")
+    box = page.locator("#points").bounding_box()
+    page.keyboard.down("Shift")
+    page.mouse.move(box["x"] + 15, box["y"] + 15)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] - 15, box["y"] + box["height"] - 15, steps=4)
+    page.mouse.up()
+    page.keyboard.up("Shift")
+    assert page.locator("#picked").inner_text() == "Show 5 picked"
+    label = page.locator("#labels button").first
+    label.click()
+    assert label.get_attribute("aria-pressed") == "true"
+    assert page.locator("#picked").inner_text() == f"Show {label.locator('small').inner_text()} picked"
+    label.click()
+    assert not page.locator("#picked").is_visible()
+    page.locator("#points").focus()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Space")
+    assert page.locator("#picked").inner_text() == "Show 1 picked"
+    page.keyboard.press("Space")
+    assert not page.locator("#picked").is_visible()
+
+
+def test_what_is_alike_goes_on_and_a_rig_narrows_it(opened, tmp_path, bundle):
+    for i in range(27):
+        np.save(tmp_path / f"{i:02}.npy", made_motion(1.0, i).joints)
+    with (tmp_path / "other.bvh").open("wb") as file:
+        bvh.write(file, made_motion(1.0, 5))
+    ingest.index(tmp_path, bundle=bundle, jobs=1)
+    with serving(tmp_path, bundle) as address:
+        page = opened("like=1", at=address)
+        assert page.locator(_CARDS).count() == 24
+        page.locator("#more").click()
+        _until(page, "document.querySelectorAll('#grid .card').length === 27")
+        assert not page.locator("#more").is_visible()
+        page.keyboard.press("f")
+        _until(page, "document.querySelectorAll('#filters [name=rig] option').length === 3")
+        page.locator("#filters [name=rig]").select_option(index=2)
+        _until(page, "document.querySelectorAll('#grid .card').length === 1")
+        assert "rig" in _state(page)
+
+
+def test_the_time_line_of_a_long_take_is_zoomed_and_follows_the_head(opened, tmp_path, bundle):
+    np.save(tmp_path / "long.npy", made_motion(240.0, 1).joints)
+    ingest.index(tmp_path, bundle=bundle, jobs=1)
+    with serving(tmp_path, bundle) as address:
+        page = opened("clip=1&q=walks", at=address)
+        page.wait_for_selector(".track .moment")
+        width = "document.querySelector('.ruler').getBoundingClientRect().width"
+        whole = page.evaluate(width)
+        page.keyboard.press("+")
+        page.locator("#zoom-in").click()
+        assert page.evaluate(width) == pytest.approx(4 * whole, rel=0.01)
+        box = page.locator("#timeline").bounding_box()
+        page.mouse.click(box["x"] + 16 + whole / 2, page.locator(".ruler").bounding_box()["y"] + 5)
+        assert _number(page, "#timeline .head") == pytest.approx(30, abs=1)
+        page.locator("#timeline .head").focus()
+        page.keyboard.press("End")
+        head = page.locator("#timeline .head").bounding_box()
+        assert box["x"] <= head["x"] <= box["x"] + box["width"]
+        page.keyboard.press("0")
+        assert page.evaluate(width) == pytest.approx(whole)
+        page.mouse.move(box["x"] + 16 + whole / 4, box["y"] + 10)
+        page.keyboard.down("Control")
+        page.mouse.wheel(0, -200)
+        page.keyboard.up("Control")
+        _until(page, f"{width} > 2 * {whole}")
+        left = page.evaluate("document.querySelector('.ruler').getBoundingClientRect().left")
+        at = (box["x"] + 16 + whole / 4 - left) / page.evaluate(width)
+        assert at == pytest.approx(1 / 4, abs=0.01)  # what was under the pointer still is
+
+
 def test_filters_narrow_the_answers_and_travel_in_the_link(opened):
     page = opened("q=walks&min=7")
     assert page.locator(_CARDS).count() == 2

@@ -45,6 +45,22 @@ def test_search_goes_on_where_it_stopped(ask):
 
 
 @pytest.mark.parametrize(
+    ("route", "given"),
+    [
+        ("similar", {"start": 1, "end": 3}),
+        ("similar", {"moments": True}),
+        ("moments", {"q": "waves"}),
+    ],
+)
+def test_what_is_alike_and_moments_go_on_where_they_stopped(ask, number, route, given):
+    of = {"clip": number(LONG)} if route == "similar" else {}
+    parts = [ask(f"/api/{route}", k=1, offset=offset, **given, **of)["hits"] for offset in (0, 1, 2)]
+    assert [hit["rank"] for part in parts for hit in part] == [1, 2, 3]
+    if "start" in given:  # clips; a moment may be found more exactly where more are asked for
+        assert len({hit["path"] for part in parts for hit in part}) == 3
+
+
+@pytest.mark.parametrize(
     ("given", "paths"),
     [
         ({"min_duration": 10}, {LONG}),
@@ -116,6 +132,9 @@ def test_similar_answers_what_the_command_line_does(ask, run, indexed, number, m
 
 def test_motions_page_by_page(ask):
     whole = ask("/api/motions")
+    said = {motion["path"]: [caption["text"] for caption in motion["captions"]] for motion in whole["motions"]}
+    assert said[CAPTIONED] == ["a person walks", "a man strolls"]
+    assert said[BVH] == []
     assert whole["total"] == len(whole["motions"]) == 5
     assert ask("/api/motions", offset=2, limit=2) == {"total": 5, "motions": whole["motions"][2:4]}
     assert ask("/api/motions", offset=99)["motions"] == []
