@@ -43,11 +43,11 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
 
 
 def _member(path: str | PathLike[str], archive: zipfile.ZipFile, name: str, limit: int) -> bytes:
-    """A file of the archive, unpacked; never more than `limit` bytes, whatever the archive says of its size."""
-    if archive.getinfo(name).compress_type not in _PACKED:
+    """A file of the archive, unpacked; no more of it than the archive announces, and that is at most `limit` bytes."""
+    info = archive.getinfo(name)
+    if info.compress_type not in _PACKED:
         raise UnreadableMotion(path, f"{name} is packed in a way that NumPy does not write")
-    with archive.open(name) as file:
-        content = file.read(limit + 1)
-    if len(content) > limit:
+    if info.file_size > limit:
         raise UnreadableMotion(path, f"{name} is larger than {limit} bytes; cut it into takes")
-    return content
+    with archive.open(info) as file:
+        return file.read(info.file_size)
