@@ -11,9 +11,9 @@ from search.moments import REACH, Moment, Region, fitness, frames_in, stretch
 from search.refine import best_spans, frame_curve, gains
 from search.steps import in_order
 
-#: Lengths in seconds of the windows from which steps are chosen, and frames from one to the next.
+#: Lengths in seconds of the windows from which steps are chosen; from one to the next it is a tenth of their length in
+#: even frames, at least two.
 _LENGTHS = (1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0)
-_STRIDE = 2
 #: The shortest step, in seconds.
 _LEAST = 0.5
 
@@ -22,7 +22,10 @@ def candidates(encoder: Encoder, features: Vectors, fps: float, queries: Vectors
     """Windows of a take from which steps are chosen, compared with the steps' queries (S, D)."""
     frames = len(features)
     sizes = [size for size in (round(seconds * fps) for seconds in _LENGTHS) if size <= frames] or [frames]
-    scored = [score_windows(encoder, features, fps, every(frames, size, _STRIDE), size, queries) for size in sizes]
+    scored = [
+        score_windows(encoder, features, fps, every(frames, size, max(size // 20 * 2, 2)), size, queries)
+        for size in sizes
+    ]
     return join([*scored, *_longer(scored[-1])])
 
 

@@ -19,7 +19,7 @@ OVERLAP = 0.3
 _PLACES, _LEAST_PLACES = 3, 8
 #: What doubling a window's length is worth in cosine, when places are proposed and when answers are ranked: a window
 #: inside a long action scores like the whole of it.
-_PLACE_BONUS, _ANSWER_BONUS = 0.03, 0.015
+_PLACE_BONUS, _ANSWER_BONUS = 0.03, 0.02
 #: How far around a proposed place is looked at first, and how long a stretch at most, in seconds.
 REACH, _LONGEST = 4.0, 600.0
 

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from search.dense import Encoder, Vectors, curve, score_windows
 
 #: Lengths in seconds of the windows whose similarities are averaged at each instant, and frames from one to the next.
-CURVE_LENGTHS = (1.4, 2.0, 2.8)
+CURVE_LENGTHS = (2.0, 2.8, 4.0)
 STRIDE = 2
 
-#: A moment goes on while similarity stays in the upper quarter between the motion's usual level and its peak, or
+#: A moment goes on while similarity stays in the upper third between the motion's usual level and its peak, or
 #: within so much of the peak.
-_UPPER = 0.25
-_LEAST_DROP = 0.08
+_UPPER = 0.35
+_LEAST_DROP = 0.16
 #: How much below that a moment may dip and still be one, in seconds times cosine.
 _DIP = 0.1
 

@@ -18,7 +18,12 @@ _ORDER = re.compile(
     re.IGNORECASE,
 )
 _AFTER = re.compile(r"^\s*after\s+(?P<first>\w+ing\b[^,]*),\s*(?P<second>.+)$", re.IGNORECASE)
-_LISTED = re.compile(r"\s*,\s*(?:and\s+)?(?=(?:\w+s|\w+ing)\b)", re.IGNORECASE)
+#: Words in -s that are no verbs: "slowly, as on ice", "walks, arms out".
+_NO_VERBS = (
+    "as|is|was|his|its|this|always|sometimes|perhaps|across|towards|[a-z]+wards|[a-z]+ways|hands|arms|legs|feet|knees|"
+    "elbows|shoulders|hips|fists|eyes|times"
+)
+_LISTED = re.compile(rf"\s*,\s*(?:and\s+)?(?!(?:{_NO_VERBS})\b)(?=(?:\w+s|\w+ing)\b)", re.IGNORECASE)
 _SUBJECT = re.compile(
     r"^\s*(?P<subject>(?:(?:a|an|the|one|this)\s+)?(?:\w+\s+)?(?:person|man|woman|figure|someone|somebody|human|guy|girl|boy|"
     r"character|actor|individual|he|she|they))\b\s+",

@@ -27,6 +27,8 @@ from tests.search.fakes import FPS, MeanEncoder, query, take
         ("stretches; bows; finally jumps", ["stretches", "bows", "jumps"]),
         ("the woman is walking. Then she stops.", ["the woman is walking", "she stops"]),
         ("walks slowly, carefully", ["walks slowly, carefully"]),
+        ("walks slowly, as on ice, then sits", ["walks slowly, as on ice", "sits"]),
+        ("walks, arms stretched out, steps aside, then sits", ["walks, arms stretched out", "steps aside", "sits"]),
         ("a person waves", ["a person waves"]),
         ("walks and then", ["walks"]),
     ],
