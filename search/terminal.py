@@ -156,6 +156,8 @@ def answer(
     elif is_terminal() and question.how != "alone":
         print(f" {question.how} ".join(f"'{text}'" for text in question.sentences))
     hits(found, str(question), as_json=False)
+    if not found:
+        note("nothing found: no clip passes, or the motion is too short for all the steps")
     if not is_terminal():
         return  # lines of another shape would be in a program's way; the steps are in the JSON
     steps = [(str(h.rank), f"{s.score:.3f}", f"{s.start:.1f}", f"{s.end:.1f}", s.text) for h in found for s in h.steps]

@@ -43,4 +43,4 @@ def export(
     if as_json:
         terminal.document({"path": str(out), "source": source.path, "frames": frames, "fps": round(fps, 4)})
     else:
-        print(f"{out}: {frames} frames at {fps:g} a second")
+        print(f"{out}: {frames} {'frame' if frames == 1 else 'frames'} at {fps:g} a second")

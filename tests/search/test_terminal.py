@@ -6,6 +6,7 @@ import pytest
 
 from search import terminal
 from search.hits import Hit
+from search.question import Question
 
 NAME = "sehr langer Ordner/モーション_歩く_とても長い名前_final_v2.bvh"
 
@@ -30,6 +31,13 @@ def test_a_pipe_gets_a_line_a_hit_with_its_name_as_it_is(found: list[Hit], capsy
     first, second = capsys.readouterr().out.splitlines()
     assert first.split("\t") == ["1", "0.500", "plausible", "0.0", "3.0", NAME, "walks far and wide"]
     assert second.split("\t") == ["2", "0.250", "weak", "1.0", "2.0", "a  b.bvh", ""]
+
+
+def test_no_moment_is_said_so(capsys: pytest.CaptureFixture[str]) -> None:
+    terminal.answer(Question.of("walks, then sits"), [], as_json=False)
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert "nothing found" in said.err
 
 
 @pytest.mark.parametrize("width", [30, 40, 60, 80, 200], indirect=True)
