@@ -1,12 +1,14 @@
 """How many searches a second the server answers, from another process.
 
-    python -m benchmarks.serve --around LIBRARY [--clips 100000] [--rate 200] [--minutes 10] [--while-indexing FOLDER]
+    taskset -c 0,1 python -m benchmarks.serve --around REAL --library SIMULATED --seconds 600 \\
+        --while-indexing FOLDER FOLDER
 
-The library is simulated: every clip is a real one of LIBRARY, its vectors moved a little, so that the windows a clip
-has, and how alike they are, are real. Sentences are drawn by Zipf's law, as people ask: few of them often, most of them
-once, of some four thousand in all; `--before` searches have been asked already. Searches begin at random (Poisson) and
-are timed from when they should have begun, so a server that stalls is not spared those that would have come meanwhile.
-`--rate 0` asks as fast as answers come.
+SIMULATED is made of REAL where it is not there yet: see `benchmarks.simulated`. Sentences are drawn by Zipf's law, as
+people ask: few of them often, most of them once, of some four thousand in all; `--before` searches have been asked
+already. Searches begin at random (Poisson) and are timed from when they should have begun, so a server that stalls is
+not spared those that would have come meanwhile. `--rate 0` asks as fast as answers come. The folders are indexed into
+the simulated library, one after another, while the searches go on; a row says whether they still were. Server, indexing
+and the asking process share the cores this is started on.
 """
 
 from __future__ import annotations
@@ -20,136 +22,23 @@ import subprocess
 import sys
 import time
 import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from urllib.parse import quote
 
 import numpy as np
 
+from benchmarks.simulated import all_sentences, asked, simulate
 from encoders import bundle as bundles
-from indexer import schema
 from indexer.gallery import CLIPS, WINDOWS
 from indexer.library import FILE, Library
 from indexer.vectors import Block
-from indexer.writer import INDEXED
 from search.engine import SearchableLibrary
-from search.vocabulary import vocabulary
 
-MANNERS = (
-    "", "slowly", "quickly", "carefully", "happily", "angrily", "like an old man", "while looking around", "twice",
-    "three times", "to the left", "to the right", "forward", "backwards", "and stops", "and turns around",
-    "with the left hand", "with the right hand", "in a circle", "again and again",
-)  # fmt: skip
-_BATCH = 2000
 _CONNECTIONS = 64
-_CAPTIONED = 0.3
-
-
-def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0) -> None:
-    """Write a library of `count` clips that resemble those of another one, in the library's own format."""
-    rng = np.random.default_rng(seed)
-    with Library.open(around) as real:
-        clips = [(clip, real.windows(clip.id)) for clip in real.clips(real.ids().tolist()).values()]
-        rows = real._galleries.current(CLIPS, real.connection).rows
-        whole = dict(zip(rows.owners.tolist(), rows.vectors, strict=True))
-        model = real._model()
-    assert model is not None
-    Library.open(folder, create=True).close()
-    sentences = all_sentences()
-    db = schema.connect(folder / FILE, writable=True)
-
-    def moved(vectors: np.ndarray, by: np.ndarray) -> bytes:
-        near = vectors.astype(np.float32) + by + noise / 2 / 16 * rng.standard_normal(vectors.shape, np.float32)
-        return (near / np.linalg.norm(near, axis=-1, keepdims=True)).astype(np.float16).tobytes()
-
-    with schema.transaction(db):
-        db.execute("INSERT INTO roots(id, path) VALUES (1, '..')")
-        db.execute("INSERT INTO models VALUES (1, ?, ?, ?)", (model["fingerprint"], model["name"], model["size"]))
-        db.execute("INSERT INTO settings VALUES ('model', 1)")
-        db.execute("UPDATE settings SET value = 1 WHERE key = 'generation'")
-        db.executemany("INSERT INTO texts(id, text) VALUES (?, ?)", enumerate(sentences, 1))
-    for first in range(0, count, _BATCH):
-        with schema.transaction(db):
-            for i in range(first + 1, min(first + _BATCH, count) + 1):
-                clip, windows = clips[rng.integers(len(clips))]
-                by = noise / 16 * rng.standard_normal(model["size"], np.float32)
-                path = f"take {i // 1000:03}/{clip.name} {i}.bvh"
-                db.execute("INSERT INTO files VALUES (?, 1, ?, 0, 0, ?, '', ?, NULL)", (i, path, str(i), INDEXED))
-                values = (i, i, path, clip.format, clip.rig, clip.fps, clip.frames, clip.duration, clip.added)
-                db.execute("INSERT INTO clips VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, 1)", values)
-                db.execute("INSERT INTO embeddings VALUES (?, 1, ?)", (i, moved(whole[clip.id], by)))
-                db.executemany(
-                    "INSERT INTO windows VALUES (?, 1, ?, ?, ?)",
-                    [(i, w.length, w.starts.tobytes(), moved(w.vectors, by)) for w in windows],
-                )
-                if rng.random() < _CAPTIONED:
-                    text = int(rng.integers(len(sentences))) + 1
-                    db.execute("INSERT INTO captions(clip_id, text_id) VALUES (?, ?)", (i, text))
-    db.close()
-
-
-def all_sentences() -> list[str]:
-    """Some thousand distinct sentences, shuffled."""
-    made = list(dict.fromkeys(f"{sentence} {manner}".strip() for sentence in vocabulary() for manner in MANNERS))
-    return [str(sentence) for sentence in np.random.default_rng(1).permutation(made)]
-
-
-def asked(count: int, seed: int) -> list[str]:
-    """Sentences as people ask them: the n-th most frequent with a chance of 1 / n."""
-    sentences = all_sentences()
-    chance = 1 / np.arange(1, len(sentences) + 1)
-    drawn = np.random.default_rng(seed).choice(len(sentences), count, p=chance / chance.sum())
-    return [sentences[i] for i in drawn]
-
-
-@dataclass
-class Timed:
-    """What became of the searches: seconds from when each should have begun, and what failed."""
-
-    seconds: list[float] = field(default_factory=list)
-    failures: list[str] = field(default_factory=list)
-    took: float = 0.0
-
-
-async def load(port: int, sentences: list[str], rate: float) -> Timed:
-    """Ask over connections that are kept open, `rate` times a second on average."""
-    found, loop = Timed(), asyncio.get_running_loop()
-    free: asyncio.Queue[tuple[asyncio.StreamReader, asyncio.StreamWriter]] = asyncio.Queue()
-    for _ in range(_CONNECTIONS):
-        free.put_nowait(await asyncio.open_connection("127.0.0.1", port))
-    pauses = np.random.default_rng(2).exponential(1 / rate, len(sentences)) if rate else np.zeros(len(sentences))
-    began = loop.time()
-    due = began + np.cumsum(pauses)
-
-    async def one(sentence: str, should_begin: float) -> None:
-        reader, writer = await free.get()
-        try:
-            writer.write(f"GET /api/search?q={quote(sentence)} HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n".encode())
-            head = await reader.readuntil(b"\r\n\r\n")
-            body = await reader.readexactly(int(head.lower().split(b"content-length:")[1].split(b"\r\n")[0]))
-            if not head.startswith(b"HTTP/1.1 200") or len(json.loads(body)["hits"]) != 10:
-                found.failures.append(body[:200].decode(errors="replace"))
-            found.seconds.append(loop.time() - should_begin)
-        except (OSError, asyncio.IncompleteReadError) as error:
-            found.failures.append(repr(error))
-        finally:
-            free.put_nowait((reader, writer))
-
-    tasks: set[asyncio.Task[None]] = set()
-    for sentence, at in zip(sentences, due, strict=True):
-        if rate:
-            await asyncio.sleep(max(at - loop.time(), 0))
-        else:
-            while free.empty():
-                await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-            await asyncio.sleep(0)
-        task = asyncio.create_task(one(sentence, at if rate else loop.time()))
-        tasks.add(task)
-        task.add_done_callback(tasks.discard)
-    if tasks:
-        await asyncio.wait(tasks)
-    found.took = loop.time() - began
-    return found
 
 
 @dataclass(frozen=True)
@@ -166,6 +55,77 @@ class Usage:
         status = dict(line.split(":", 1) for line in Path(f"/proc/{pid}/status").read_text().splitlines())
         own, mapped = (int(status[name].split()[0]) / 1e3 for name in ("RssAnon", "RssFile"))
         return cls((int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK"), own, mapped)
+
+
+@dataclass
+class Timed:
+    """What became of the searches.
+
+    Attributes
+    ----------
+    due, seconds : list of float
+        When each should have begun, from the start, and how long after that it was answered.
+    failures : list of (float, str)
+        When it should have begun, and what was answered.
+    samples : list of (float, Usage, bool)
+        From time to time: when, what the server had used by then, and whether there was indexing.
+    """
+
+    due: list[float] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
+    failures: list[tuple[float, str]] = field(default_factory=list)
+    samples: list[tuple[float, Usage, bool]] = field(default_factory=list)
+
+
+async def load(
+    port: int, sentences: list[str], rate: float, *, look: Callable[[], tuple[Usage, bool]], every: float
+) -> Timed:
+    """Ask over connections that are kept open, `rate` times a second on average; look `every` so many seconds."""
+    found, loop = Timed(), asyncio.get_running_loop()
+    free: asyncio.Queue[tuple[asyncio.StreamReader, asyncio.StreamWriter]] = asyncio.Queue()
+    for _ in range(_CONNECTIONS):
+        free.put_nowait(await asyncio.open_connection("127.0.0.1", port))
+    pauses = np.random.default_rng(2).exponential(1 / rate, len(sentences)) if rate else np.zeros(len(sentences))
+    began = loop.time()
+    due = began + np.cumsum(pauses)
+
+    async def one(sentence: str, should_begin: float) -> None:
+        reader, writer = await free.get()
+        try:
+            writer.write(f"GET /api/search?q={quote(sentence)} HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n".encode())
+            head = await reader.readuntil(b"\r\n\r\n")
+            body = await reader.readexactly(int(head.lower().split(b"content-length:")[1].split(b"\r\n")[0]))
+            if not head.startswith(b"HTTP/1.1 200") or len(json.loads(body)["hits"]) != 10:
+                found.failures.append((should_begin - began, body[:200].decode(errors="replace")))
+            found.due.append(should_begin - began)
+            found.seconds.append(loop.time() - should_begin)
+        except (OSError, asyncio.IncompleteReadError) as error:
+            found.failures.append((should_begin - began, repr(error)))
+        finally:
+            free.put_nowait((reader, writer))
+
+    async def watch() -> None:
+        while True:
+            found.samples.append((loop.time() - began, *look()))
+            await asyncio.sleep(every)
+
+    watching = asyncio.create_task(watch())
+    tasks: set[asyncio.Task[None]] = set()
+    for sentence, at in zip(sentences, due, strict=True):
+        if rate:
+            await asyncio.sleep(max(at - loop.time(), 0))
+        else:
+            while free.empty():
+                await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            await asyncio.sleep(0)
+        task = asyncio.create_task(one(sentence, at if rate else loop.time()))
+        tasks.add(task)
+        task.add_done_callback(tasks.discard)
+    if tasks:
+        await asyncio.wait(tasks)
+    watching.cancel()
+    found.samples.append((loop.time() - began, *look()))
+    return found
 
 
 def recall(folder: Path, sentences: list[str], k: int = 10) -> float:
@@ -198,25 +158,64 @@ def serve(folder: Path, port: int) -> subprocess.Popen[bytes]:
     raise SystemExit("the server did not start")
 
 
+@contextmanager
+def ended(process: subprocess.Popen[bytes]) -> Iterator[subprocess.Popen[bytes]]:
+    """End a process, politely, when done."""
+    try:
+        yield process
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(30)
+
+
+class Indexing:
+    """Folders indexed into a library, one after another."""
+
+    def __init__(self, folders: list[Path], library: Path) -> None:
+        self._folders, self._library = list(folders), library
+        self._running: subprocess.Popen[bytes] | None = None
+
+    def goes_on(self) -> bool:
+        """Whether there is indexing; begins with the next folder when one is done."""
+        if (self._running is None or self._running.poll() is not None) and self._folders:
+            self._running = command("index", self._folders.pop(0), "--library", self._library, "--jobs", 1)
+        return self._running is not None and self._running.poll() is None
+
+    def end(self) -> None:
+        """Stop; what is indexed stays."""
+        if self._running is not None and self._running.poll() is None:
+            self._running.send_signal(signal.SIGINT)
+            self._running.wait(60)
+
+
 def new_share(sentences: list[str], earlier: list[str]) -> float:
     """Share of the searches whose sentence nobody had asked before."""
     return len(set(sentences) - set(earlier)) / len(sentences)
 
 
-def report(found: Timed, before: Usage, after: Usage, new: float) -> None:
-    """Print the figures."""
-    ms = np.array(found.seconds) * 1e3
-    answered = len(ms)
+def report(found: Timed, new: float) -> None:
+    """Print a row for each stretch between two looks, and one for all."""
+    due, ms = np.array(found.due), np.array(found.seconds) * 1e3
+    failed = np.array([at for at, _ in found.failures])
+    print("\n| seconds | searches | p50 ms | p95 | p99 | worst | failed | cores | own MB | mapped MB | indexing |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|")
+    looks = found.samples
+    for (begin, before, _), (end, after, indexing) in [*pairwise(looks), (looks[0], looks[-1])]:
+        here = ms[(due >= begin) & (due < end)]
+        if not len(here):
+            continue
+        p50, p95, p99 = np.percentile(here, (50, 95, 99))
+        lost, cores = int(((failed >= begin) & (failed < end)).sum()), (after.cpu - before.cpu) / (end - begin)
+        numbers = f"{len(here)} | {p50:.1f} | {p95:.1f} | {p99:.1f} | {here.max():.0f} | {lost} | {cores:.2f}"
+        said = "yes" if indexing else "no"
+        print(f"| {begin:.0f}–{end:.0f} | {numbers} | {after.own:.0f} | {after.mapped:.0f} | {said} |")
+    first, last = looks[0], looks[-1]
     print(
-        f"{answered} searches in {found.took:.1f} s: {answered / found.took:.0f} a second, "
-        f"{new:.1%} of them sentences that nobody had asked before"
+        f"\n{len(ms) / last[0]:.0f} searches a second, {new:.1%} of them sentences that nobody had asked before; "
+        f"{(last[1].cpu - first[1].cpu) / len(ms) * 1e3:.2f} ms of processor each; "
+        f"own memory {first[1].own:.0f} -> {last[1].own:.0f} MB; failed {len(found.failures)} "
+        f"{[said for _, said in found.failures[:2]] or ''}"
     )
-    print(
-        "latency ms: " + ", ".join(f"p{p} {np.percentile(ms, p):.1f}" for p in (50, 95, 99)) + f", max {ms.max():.0f}"
-    )
-    print(f"failures: {len(found.failures)} {found.failures[:2] or ''}")
-    print(f"server: {(after.cpu - before.cpu) / answered * 1e3:.2f} ms of processor a search")
-    print(f"memory MB: own {before.own:.0f} -> {after.own:.0f}, mapped files {before.mapped:.0f} -> {after.mapped:.0f}")
 
 
 def main() -> None:
@@ -226,9 +225,10 @@ def main() -> None:
     parser.add_argument("--clips", type=int, default=100_000)
     parser.add_argument("--noise", type=float, default=0.5, help="how far clips are moved; their vectors have length 1")
     parser.add_argument("--rate", type=float, default=200)
-    parser.add_argument("--minutes", type=float, default=1 / 3)
+    parser.add_argument("--seconds", type=float, default=20)
+    parser.add_argument("--every", type=float, help="seconds of a row; a tenth of all where not given")
     parser.add_argument("--port", type=int, default=8765)
-    parser.add_argument("--while-indexing", type=Path, help="index this folder into the library meanwhile")
+    parser.add_argument("--while-indexing", type=Path, nargs="+", default=[], help="index these folders meanwhile")
     parser.add_argument("--bundle", type=Path, default=bundles.DEFAULT, help="the model of both libraries")
     parser.add_argument("--before", type=int, default=4000, help="searches that were asked before")
     parser.add_argument("--recall", type=int, default=50, help="questions asked of an exact search too")
@@ -245,21 +245,24 @@ def main() -> None:
     print(f"{stats['clips']} clips, {stats['windows']} windows; indexes ready in {time.perf_counter() - began:.0f} s")
     if given.recall:
         print(f"recall of the exact ten: {recall(given.library, all_sentences()[: given.recall]):.3f}")
-    server = serve(given.library, given.port)
-    indexing = None
-    try:
+    indexing = Indexing(given.while_indexing, given.library)
+    with ended(serve(given.library, given.port)) as server:
+
+        def look() -> tuple[Usage, bool]:
+            return Usage.of(server.pid), indexing.goes_on()
+
         earlier = asked(given.before, 5)
-        asyncio.run(load(given.port, earlier, 0))
-        if given.while_indexing:
-            indexing = command("index", given.while_indexing, "--library", given.library, "--jobs", 1)
-        sentences = asked(round((given.rate or 300) * 60 * given.minutes), 4)
-        before = Usage.of(server.pid)
-        found = asyncio.run(load(given.port, sentences, given.rate))
-        report(found, before, Usage.of(server.pid), new_share(sentences, earlier))
-    finally:
-        for process in filter(None, (indexing, server)):
-            process.send_signal(signal.SIGINT)
-            process.wait(30)
+        idle = lambda: (Usage.of(server.pid), False)  # noqa: E731
+        asyncio.run(load(given.port, earlier, 0, look=idle, every=1e6))
+        sentences = asked(round((given.rate or 300) * given.seconds), 4)
+        print(f"asked for {given.seconds:g} s at {given.rate:g} a second on {len(os.sched_getaffinity(0))} cores")
+        try:
+            found = asyncio.run(
+                load(given.port, sentences, given.rate, look=look, every=given.every or given.seconds / 10)
+            )
+        finally:
+            indexing.end()
+        report(found, new_share(sentences, earlier))
 
 
 if __name__ == "__main__":

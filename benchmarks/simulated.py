@@ -1,0 +1,81 @@
+"""A large library simulated around a small real one, and the sentences people ask of it.
+
+Every clip is a real one, its vectors moved a little, so that the windows a clip has, and how alike they are, are real.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from indexer import schema
+from indexer.gallery import CLIPS
+from indexer.library import FILE, Library
+from indexer.writer import INDEXED
+from search.vocabulary import vocabulary
+
+MANNERS = (
+    "", "slowly", "quickly", "carefully", "happily", "angrily", "like an old man", "while looking around", "twice",
+    "three times", "to the left", "to the right", "forward", "backwards", "and stops", "and turns around",
+    "with the left hand", "with the right hand", "in a circle", "again and again",
+)  # fmt: skip
+_BATCH = 2000
+_CAPTIONED = 0.3
+
+
+def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0) -> None:
+    """Write a library of `count` clips that resemble those of another one, in the library's own format."""
+    rng = np.random.default_rng(seed)
+    with Library.open(around) as real:
+        clips = [(clip, real.windows(clip.id)) for clip in real.clips(real.ids().tolist()).values()]
+        rows = real._galleries.current(CLIPS, real.connection).rows
+        whole = dict(zip(rows.owners.tolist(), rows.vectors, strict=True))
+        model = real._model()
+    assert model is not None
+    Library.open(folder, create=True).close()
+    sentences = all_sentences()
+    db = schema.connect(folder / FILE, writable=True)
+
+    def moved(vectors: np.ndarray, by: np.ndarray) -> bytes:
+        near = vectors.astype(np.float32) + by + noise / 2 / 16 * rng.standard_normal(vectors.shape, np.float32)
+        return (near / np.linalg.norm(near, axis=-1, keepdims=True)).astype(np.float16).tobytes()
+
+    with schema.transaction(db):
+        db.execute("INSERT INTO roots(id, path) VALUES (1, '..')")
+        db.execute("INSERT INTO models VALUES (1, ?, ?, ?)", (model["fingerprint"], model["name"], model["size"]))
+        db.execute("INSERT INTO settings VALUES ('model', 1)")
+        db.execute("UPDATE settings SET value = 1 WHERE key = 'generation'")
+        db.executemany("INSERT INTO texts(id, text) VALUES (?, ?)", enumerate(sentences, 1))
+    for first in range(0, count, _BATCH):
+        with schema.transaction(db):
+            for i in range(first + 1, min(first + _BATCH, count) + 1):
+                clip, windows = clips[rng.integers(len(clips))]
+                by = noise / 16 * rng.standard_normal(model["size"], np.float32)
+                path = f"take {i // 1000:03}/{clip.name} {i}.bvh"
+                db.execute("INSERT INTO files VALUES (?, 1, ?, 0, 0, ?, '', ?, NULL)", (i, path, str(i), INDEXED))
+                values = (i, i, path, clip.format, clip.rig, clip.fps, clip.frames, clip.duration, clip.added)
+                db.execute("INSERT INTO clips VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, 1)", values)
+                db.execute("INSERT INTO embeddings VALUES (?, 1, ?)", (i, moved(whole[clip.id], by)))
+                db.executemany(
+                    "INSERT INTO windows VALUES (?, 1, ?, ?, ?)",
+                    [(i, w.length, w.starts.tobytes(), moved(w.vectors, by)) for w in windows],
+                )
+                if rng.random() < _CAPTIONED:
+                    text = int(rng.integers(len(sentences))) + 1
+                    db.execute("INSERT INTO captions(clip_id, text_id) VALUES (?, ?)", (i, text))
+    db.close()
+
+
+def all_sentences() -> list[str]:
+    """Some thousand distinct sentences, shuffled."""
+    made = list(dict.fromkeys(f"{sentence} {manner}".strip() for sentence in vocabulary() for manner in MANNERS))
+    return [str(sentence) for sentence in np.random.default_rng(1).permutation(made)]
+
+
+def asked(count: int, seed: int) -> list[str]:
+    """Sentences as people ask them: the n-th most frequent with a chance of 1 / n."""
+    sentences = all_sentences()
+    chance = 1 / np.arange(1, len(sentences) + 1)
+    drawn = np.random.default_rng(seed).choice(len(sentences), count, p=chance / chance.sum())
+    return [sentences[i] for i in drawn]
