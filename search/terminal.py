@@ -61,11 +61,12 @@ def table(
     console = Console(highlight=False)
     used = [i for i, column in enumerate(columns) if not column or any(row[i] for row in rows)]
     width = {i: max(cell_len(text) for text in (columns[i], *(row[i] for row in rows))) for i in used}
+    least = sum(width[i] if columns[i] in right else min(width[i], _LEAST) for i in used) + _GAP * (len(used) - 1)
     long = [i for i in used if columns[i] in below]
-    least = sum(min(width[i], _LEAST) if i in long else width[i] for i in used) + _GAP * (len(used) - 1)
     if long and least > console.width:
         _print_stacked(console, rows, [i for i in used if i not in long], long)
     else:
+        console.width = max(console.width, least)  # rather lines that the terminal breaks than numbers cut off
         _print_table(console, columns, rows, used, right)
 
 

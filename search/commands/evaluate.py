@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -183,7 +183,6 @@ def _show(figures: dict[str, dict[str, float]], as_json: bool) -> None:
     if as_json:
         terminal.document(figures)
         return
-    rows: list[tuple[str, Any]] = [
-        (name, "  ".join(f"{key} {value:.1f}" for key, value in row.items())) for name, row in figures.items()
-    ]
-    terminal.table(("", "figures"), rows)
+    columns = list(dict.fromkeys(key for row in figures.values() for key in row))
+    rows = [(name, *(f"{row[key]:.1f}" if key in row else "" for key in columns)) for name, row in figures.items()]
+    terminal.table(("", *columns), rows, right=columns)

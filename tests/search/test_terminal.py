@@ -81,3 +81,11 @@ def test_colours_can_be_switched_off(
     monkeypatch.setenv("NO_COLOR", "1")
     terminal.hits(found, "walks", as_json=False)
     assert "\x1b[33m" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("width", [20], indirect=True)
+def test_numbers_are_never_cut_off(width: int, capsys: pytest.CaptureFixture[str]) -> None:
+    terminal.table(("", "R@1", "R@10"), [("a long name of a row of numbers", "12.5", "100.0")], right=("R@1", "R@10"))
+    out = capsys.readouterr().out
+    assert "12.5" in out
+    assert "100.0" in out
