@@ -23,8 +23,8 @@ _HIT_COLUMNS = ("", "score", "strength", "start", "end", "clip", "caption")
 _COLOURS = {"strong": "green", "plausible": "yellow", "weak": "dim"}
 #: What would move the cursor, or break a line of a pipe.
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
-#: Columns between two cells of a table, and those that a long cell needs to be read in it.
-_GAP, _LEAST = 3, 24
+#: Columns between two cells of a table; those in which a text reads well, and in which it can still be read.
+_GAP, _READABLE, _TIGHT = 3, 24, 10
 _BLOCKS = "▁▂▃▄▅▆▇█"
 
 
@@ -61,12 +61,15 @@ def table(
     console = Console(highlight=False)
     used = [i for i, column in enumerate(columns) if not column or any(row[i] for row in rows)]
     width = {i: max(cell_len(text) for text in (columns[i], *(row[i] for row in rows))) for i in used}
-    least = sum(width[i] if columns[i] in right else min(width[i], _LEAST) for i in used) + _GAP * (len(used) - 1)
+
+    def least(text: int) -> int:
+        return sum(width[i] if columns[i] in right else min(width[i], text) for i in used) + _GAP * (len(used) - 1)
+
     long = [i for i in used if columns[i] in below]
-    if long and least > console.width:
+    if long and least(_READABLE) > console.width:
         _print_stacked(console, rows, [i for i in used if i not in long], long)
     else:
-        console.width = max(console.width, least)  # rather lines that the terminal breaks than numbers cut off
+        console.width = max(console.width, least(_TIGHT))  # rather lines that the terminal breaks than numbers cut off
         _print_table(console, columns, rows, used, right)
 
 

@@ -45,7 +45,10 @@ def status(place: str | None, failed: bool, folder: str | None, as_json: bool) -
 
 #: Statistics that a person reads in other units.
 _MEASURED: dict[str, tuple[str, Callable[[float], str]]] = {
-    "seconds": ("motion", lambda seconds: f"{seconds / 3600:.2f} hours"),
+    "seconds": (
+        "motion",
+        lambda seconds: f"{seconds / 3600:.1f} hours" if seconds >= 3600 else f"{seconds / 60:.1f} minutes",
+    ),
     "bytes": ("on disk", lambda size: f"{size / 1e6:.1f} MB"),
 }
 
