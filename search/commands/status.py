@@ -43,6 +43,11 @@ def status(place: str | None, failed: bool, folder: str | None, as_json: bool) -
     terminal.table(("", ""), rows)
 
 
+def time(seconds: float) -> str:
+    """A time in hours, or in minutes where it is short."""
+    return f"{seconds / 3600:.1f} hours" if seconds >= 3600 else f"{seconds / 60:.1f} minutes"
+
+
 #: Statistics that a person reads in other units.
 _MEASURED: dict[str, tuple[str, Callable[[float], str]]] = {
     "seconds": (
