@@ -16,6 +16,7 @@ export class Plane {
   /** @param {import("./stage.js").Stage | null} stage */
   constructor(stage) {
     this.canvas = byId("points");
+    this.points = document.createElement("canvas");
     this.view = stage?.add(/** @type {HTMLElement} */ (byId("peek").firstElementChild)) ?? null;
     /** @type {import("./api.js").MapData | null} */
     this.data = null;
@@ -56,39 +57,56 @@ export class Plane {
     this.draw();
   }
 
+  /** All points, and what lies over them. */
   draw() {
     const { canvas, data } = this;
     if (!canvas.clientWidth || !data) return;
     const ratio = Math.min(devicePixelRatio, 2);
-    [canvas.width, canvas.height] = [canvas.clientWidth * ratio, canvas.clientHeight * ratio];
-    const pen = canvas.getContext("2d");
+    for (const sheet of [canvas, this.points]) [sheet.width, sheet.height] = [canvas.clientWidth * ratio, canvas.clientHeight * ratio];
+    const pen = this.points.getContext("2d");
     const style = getComputedStyle(document.documentElement);
-    const colour = (/** @type {number} */ label) => style.getPropertyValue(label < COLOURS ? `--kind-${label}` : "--kind-other");
-    const accent = style.getPropertyValue("--accent");
-    const size = clamp(90 / Math.sqrt(data.clips.length), 2, 6);
+    const colours = Array.from({ length: COLOURS + 1 }, (_, kind) => style.getPropertyValue(kind < COLOURS ? `--kind-${kind}` : "--kind-other"));
     const lit = this.answers.size > 0;
     pen.scale(ratio, ratio);
     data.clips.forEach((_, i) => {
       const [x, y] = this.#place(i);
-      const answer = this.answers.get(i);
-      const dim = (lit && !answer) || (this.picked.size > 0 && !this.picked.has(i));
+      const dim = (lit && !this.answers.has(i)) || (this.picked.size > 0 && !this.picked.has(i));
       pen.globalAlpha = dim ? 0.22 : 1;
-      pen.fillStyle = colour(data.label[i]);
+      pen.fillStyle = colours[Math.min(data.label[i], COLOURS)];
       pen.beginPath();
-      pen.arc(x, y, size, 0, 7);
+      pen.arc(x, y, this.#size(), 0, 7);
       pen.fill();
-      if (answer || i === this.hovered) ring(pen, x, y, size + (i === this.hovered ? 6 : 3.5), accent, answer?.strength === "strong" || i === this.hovered ? 2.5 : 1.25);
     });
-    pen.globalAlpha = 1;
-    if (this.lasso.length > 1) {
-      pen.strokeStyle = accent;
-      pen.lineWidth = 1.5;
-      pen.setLineDash([5, 4]);
-      pen.beginPath();
-      this.lasso.forEach(([x, y]) => pen.lineTo(x, y));
-      pen.closePath();
-      pen.stroke();
-    }
+    this.#mark();
+  }
+
+  /** Rings and the lasso over the points, which stay as they are: a library may have a hundred thousand. */
+  #mark() {
+    const { canvas } = this;
+    if (!canvas.clientWidth || !this.data || !this.points.width) return;
+    const pen = canvas.getContext("2d");
+    const accent = getComputedStyle(document.documentElement).getPropertyValue("--accent");
+    const ratio = canvas.width / canvas.clientWidth;
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    pen.clearRect(0, 0, canvas.width, canvas.height);
+    pen.drawImage(this.points, 0, 0);
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    for (const [i, { strength }] of this.answers) ring(pen, ...this.#place(i), this.#size() + 3.5, accent, strength === "strong" ? 2.5 : 1.25);
+    if (this.hovered >= 0) ring(pen, ...this.#place(this.hovered), this.#size() + 6, accent, 2.5);
+    if (this.lasso.length < 2) return;
+    pen.strokeStyle = accent;
+    pen.lineWidth = 1.5;
+    pen.setLineDash([5, 4]);
+    pen.beginPath();
+    this.lasso.forEach(([x, y]) => pen.lineTo(x, y));
+    pen.closePath();
+    pen.stroke();
+    pen.setLineDash([]);
+  }
+
+  /** The radius of a point, in pixels. */
+  #size() {
+    return clamp(90 / Math.sqrt(/** @type {import("./api.js").MapData} */ (this.data).clips.length), 1.2, 6);
   }
 
   /** @param {number} i @returns {[number, number]} pixels */
@@ -160,7 +178,7 @@ export class Plane {
       if (event.shiftKey) this.lasso = [[x, y], [at[0], y], at, [x, at[1]]];
       else this.lasso.push(...(this.lasso.length ? [] : [/** @type {[number, number]} */ ([x, y])]), at);
       this.#hover(-1);
-      this.draw();
+      this.#mark();
     }, { signal: stop.signal }); // prettier-ignore
     const end = (/** @type {PointerEvent} */ event) => {
       stop.abort();
@@ -229,7 +247,7 @@ export class Plane {
     if (i === this.hovered) return;
     this.hovered = i;
     this.canvas.classList.toggle("pointing", i >= 0);
-    this.draw();
+    this.#mark();
     const peek = byId("peek");
     peek.hidden = i < 0;
     if (this.view) this.view.motion = null;
