@@ -86,12 +86,12 @@ class Bundle:
 
     @cached_property
     def calibration(self) -> dict[str, NDArray[Any]] | None:
-        """The arrays shipped to judge scores by, if any."""
+        """The arrays shipped to judge scores by, if any; halves are widened here, not again for every question."""
         if CALIBRATION not in self.manifest["files"]:
             return None
         try:
             with np.load(self.folder / CALIBRATION, allow_pickle=False) as arrays:
-                return dict(arrays)
+                return {name: a.astype(np.float32) if a.dtype == np.float16 else a for name, a in arrays.items()}
         except (OSError, ValueError) as error:
             raise BundleError(f"{self.folder / CALIBRATION}: cannot be read ({error})") from error
 
