@@ -15,6 +15,7 @@ from indexer.windows import OVERLAP
 from search.chains import best_chain, candidates, sharpen_chain, whole
 from search.dense import Scored, Vectors, curve, join
 from search.hits import Hit, Hits, Step
+from search.hubs import nearness
 from search.moments import Moment, Region, propose, score_stored, sharpen, usual_level
 from search.question import Question
 from search.refine import frame_curve
@@ -30,6 +31,8 @@ LONG = 300.0
 _ROOM = 8.0
 #: Parts of a long clip begin at multiples of so many seconds: their features are then those of the whole clip.
 _GRID = 1.0
+#: So many sentences nearest to a motion are compared closely.
+_COMPARED = 1000
 
 
 def moments_in(bundle: Bundle, source: Source, question: Question, k: int) -> list[Hit]:
@@ -127,16 +130,20 @@ def describe_motion(
 
     Returns
     -------
-    list of (sentence, cosine similarity), best first, no sentence twice
+    list of (sentence, score), best first, no sentence twice
+        The score is the cosine less what `hubs.nearness` takes from sentences that lie near every motion.
     """
     motion_vector = bundle.encode_motions([motion])[0]
     words = vocabulary()
-    scores = bundle.encode_texts(list(words)) @ motion_vector
+    sentences = bundle.encode_texts(list(words))
     if vectors is not None and len(texts):
-        words, scores = (*texts, *words), np.concatenate([vectors @ motion_vector, scores])
+        words, sentences = (*texts, *words), np.concatenate([vectors, sentences])
+    cosines = sentences @ motion_vector
+    near = np.argsort(-cosines, kind="stable")[: max(_COMPARED, 10 * k)]
+    scores = cosines[near] - nearness(bundle, sentences[near])
     best: dict[str, float] = {}
     for i in np.argsort(-scores, kind="stable"):
-        best.setdefault(words[i], float(scores[i]))
+        best.setdefault(words[near[i]], float(scores[i]))
         if len(best) == k:
             break
     return list(best.items())

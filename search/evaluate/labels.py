@@ -15,6 +15,7 @@ from encoders.errors import MotionSeekError, QueryError
 from encoders.metrics import average_precision
 from encoders.motion import Motion
 from indexer import load_motion
+from search.hubs import nearness
 from search.query import encode_queries
 
 
@@ -116,7 +117,8 @@ def evaluate_labels(
     if not asked:
         raise QueryError(f"{labels}: no readable clip has a label that {queries} asks for")
     gallery = bundle.encode_motions(motions)
-    similarity = encode_queries(bundle, [row["query"] for row in asked]) @ gallery.T
+    sentences = encode_queries(bundle, [row["query"] for row in asked])
+    similarity = sentences @ gallery.T
     clip_labels = np.array(names)
     precisions: dict[str, list[float]] = {}
     for row, scores in zip(asked, similarity, strict=True):
@@ -124,7 +126,7 @@ def evaluate_labels(
     return LabelReport(
         precisions,
         {label: int((clip_labels == label).sum()) for label in precisions},
-        _confusion(similarity, [row["label"] for row in asked], clip_labels),
+        _confusion(similarity - nearness(bundle, sentences)[:, None], [row["label"] for row in asked], clip_labels),
         unreadable,
     )
 

@@ -1,0 +1,27 @@
+"""Sentences that lie near every motion, and how to see past them.
+
+In a space of many dimensions a few sentences are neighbours of nearly everything. Asked what a motion shows, they would
+come first again and again. Cross-domain similarity local scaling (Conneau et al., ICLR 2018) takes from each score half
+of what the sentence scores with the motions nearest to it; the bundle's unrelated motions stand for all motions.
+A ranking of motions for one sentence does not change by it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from encoders.bundle import Bundle
+
+_NEAREST = 30
+
+
+def nearness(bundle: Bundle, sentences: ArrayLike) -> NDArray[np.float32]:
+    """What to take from the scores of sentences (N, D): (N,), zero where the bundle carries no unrelated motions."""
+    vectors = np.asarray(sentences, np.float32)
+    if bundle.calibration is None:
+        return np.zeros(len(vectors), np.float32)
+    scores = vectors @ np.asarray(bundle.calibration["motions"], np.float32).T
+    count = min(_NEAREST, scores.shape[1])
+    half: NDArray[np.float32] = np.partition(scores, -count, axis=1)[:, -count:].mean(axis=1) / 2
+    return half

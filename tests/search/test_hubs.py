@@ -1,0 +1,46 @@
+"""Sentences that lie near every motion give way to those that fit this one."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from search.hubs import nearness
+
+
+def unit(*rows: list[float]) -> np.ndarray:
+    """Rows scaled to length one."""
+    array = np.array(rows, np.float32)
+    return array / np.linalg.norm(array, axis=1, keepdims=True)
+
+
+RNG = np.random.default_rng(0)
+MOTIONS = unit(*(np.array([1.0, 0.0, 0.0, 0.0]) + 0.3 * RNG.normal(size=(200, 4))))
+HUB, OWN = unit([1.0, 0.0, 0.0, 0.0], [0.6, 0.0, 0.8, 0.0])
+
+
+def bundle(motions: np.ndarray | None) -> SimpleNamespace:
+    return SimpleNamespace(calibration=None if motions is None else {"motions": motions})
+
+
+def test_what_is_near_everything_no_longer_comes_first() -> None:
+    motion = unit([0.95, 0.0, 0.4, 0.0])[0]
+    cosines = np.stack([HUB, OWN]) @ motion
+    assert cosines[0] > cosines[1]
+    adjusted = cosines - nearness(bundle(MOTIONS), np.stack([HUB, OWN]))  # type: ignore[arg-type]
+    assert adjusted[1] > adjusted[0]
+
+
+def test_half_the_mean_of_the_thirty_nearest_is_taken() -> None:
+    nearest = np.sort(MOTIONS @ OWN)[-30:]
+    assert nearness(bundle(MOTIONS), OWN[None]) == pytest.approx([nearest.mean() / 2], abs=1e-6)  # type: ignore[arg-type]
+
+
+def test_few_motions_are_all_near() -> None:
+    assert nearness(bundle(MOTIONS[:3]), OWN[None]) == pytest.approx([(MOTIONS[:3] @ OWN).mean() / 2])  # type: ignore[arg-type]
+
+
+def test_a_bundle_without_calibration_takes_nothing() -> None:
+    assert nearness(bundle(None), MOTIONS).tolist() == [0.0] * 200  # type: ignore[arg-type]
