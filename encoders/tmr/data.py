@@ -12,6 +12,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.errors import MotionSeekError
+
 _LEFT, _RIGHT = re.compile(r"\bleft"), re.compile(r"\bright")
 
 
@@ -100,11 +102,20 @@ class PairStore:
 
     @classmethod
     def load(cls, path: Path) -> PairStore:
-        """Inverse of `save`."""
+        """Inverse of `save`.
+
+        Raises
+        ------
+        MotionSeekError
+            If an older version wrote it, to which false sentences belonged to a pair and not to a caption.
+        """
         store = cls(())
         with np.load(path, allow_pickle=False) as arrays:
             store.features, store.offsets = arrays["features"], arrays["offsets"]
             vars(store).update(json.loads(arrays["words"].tobytes()))
+        store.swapped = [s or [-1] * len(c) for s, c in zip(store.swapped, store.captions, strict=True)]
+        if any(len(s) != len(c) for s, c in zip(store.swapped, store.captions, strict=True)):
+            raise MotionSeekError(f"{path}: written by an older motionseek; delete it, and it is made anew")
         return store
 
     @classmethod

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from encoders.errors import MotionSeekError
 from encoders.tmr.data import Pair, PairStore, sides_conflict
 
 MADE = Pair(
@@ -39,6 +40,17 @@ def test_a_store_survives_its_file(tmp_path: Path) -> None:
     PairStore([MADE, REAL]).save(tmp_path / "pairs.npz")
     assert [path.name for path in tmp_path.iterdir()] == ["pairs.npz"]
     assert all(map(same, PairStore.load(tmp_path / "pairs.npz").pairs(), [MADE, REAL]))
+
+
+def test_a_file_of_older_pairs_is_refused_if_it_would_be_read_wrongly(tmp_path: Path) -> None:
+    store = PairStore([MADE, REAL])
+    store.swapped = [[], []]
+    store.save(tmp_path / "none.npz")
+    assert all(min(row) < 0 for row in PairStore.load(tmp_path / "none.npz").swapped), "none are still none"
+    store.swapped = [[0] * (len(MADE.captions) + 1), []]
+    store.save(tmp_path / "old.npz")
+    with pytest.raises(MotionSeekError, match="delete it"):
+        PairStore.load(tmp_path / "old.npz")
 
 
 def test_stores_are_joined_in_order() -> None:
