@@ -17,6 +17,8 @@ STRIDE = 2
 #: within so much of the peak.
 _UPPER = 0.35
 _LEAST_DROP = 0.16
+#: How much higher than its peak what it goes on into may be: beyond, it is another moment.
+_HIGHER = 0.05
 #: How much below that a moment may dip and still be one, in seconds times cosine.
 _DIP = 0.1
 
@@ -52,10 +54,11 @@ def grow(similarity: NDArray[np.floating], level: float, fps: float, first: int,
     """The moment around the peak within the frames from `first` to `last`, as a range of frames.
 
     From the peak it grows to either side to where its gains add up to most, stopping where they have fallen too far
-    below that, as alignments are extended in sequence search (X-drop; Altschul et al. 1990).
+    below that, as alignments are extended in sequence search (X-drop; Altschul et al. 1990), or where a higher moment
+    begins.
     """
     peak = first + int(np.argmax(similarity[first:last]))
-    gain = gains(similarity, level, first, last)
+    gain = np.where(similarity > similarity[peak] + _HIGHER, -np.inf, gains(similarity, level, first, last))
     left, right = _extent(gain[:peak][::-1], _DIP * fps), _extent(gain[peak + 1 :], _DIP * fps)
     return peak - left, peak + 1 + right
 

@@ -67,3 +67,10 @@ def test_the_curve_has_a_value_for_every_frame_and_stands_high_where_it_happens(
 @pytest.mark.parametrize("frames", [1, 3, 15, 30])
 def test_the_curve_of_a_short_motion(frames: int) -> None:
     assert frame_curve(MeanEncoder(), take(5)[:frames], FPS, query(0)).shape == (1, frames)
+
+
+def test_a_moment_does_not_go_on_into_a_higher_one() -> None:
+    similarity = np.full(100, 0.3)
+    similarity[20:40], similarity[45:70] = 0.5, 0.8
+    assert grow(similarity, 0.0, FPS, 25, 35) == (20, 40)
+    assert grow(similarity, 0.0, FPS, 50, 60) == (45, 70)
