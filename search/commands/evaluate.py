@@ -116,6 +116,9 @@ def _described(folder: Path, captions: Path, split: str, bundle: Bundle, as_json
     terminal.table(("description", "sentences", "mean rank"), rows, right=("sentences", "mean rank"))
     found = ", ".join(f"first {k}: {report.found(k):.1f} %" for k in (1, 5, 10))
     terminal.note(f"{len(report.ranks)} descriptions, {report.files} files; best right file among the {found}")
+    terminal.note(
+        f"motion to sentence, first right: {report.told:.1f} %; by cosine alone {report.told_by_cosine:.1f} %"
+    )
 
 
 def _corpus(count: int, bundle: Bundle) -> dict[str, dict[str, float]]:

@@ -6,11 +6,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from encoders.bundle import Bundle
 from encoders.corpus.real import CaptionedTake
 from encoders.errors import QueryError
 from encoders.metrics import ranks
+from search.hubs import nearness
 from search.query import encode_queries
 
 
@@ -22,10 +24,14 @@ class DescribedReport:
     ----------
     files : number of files in the gallery
     ranks : {description: 0-based ranks of its sentences, the description itself first}
+    told, told_by_cosine : percent of described files for which, of all the sentences, one about them comes first,
+        averaged over descriptions; as `describe` ranks sentences, and by their cosines alone
     """
 
     files: int
     ranks: dict[str, list[float]]
+    told: float
+    told_by_cosine: float
 
     def found(self, k: int) -> float:
         """Percent of sentences whose best right file is among the first k, averaged over descriptions."""
@@ -36,6 +42,8 @@ class DescribedReport:
             "files": self.files,
             "descriptions": len(self.ranks),
             **{f"R@{k}": self.found(k) for k in (1, 5, 10)},
+            "motion to sentence": self.told,
+            "motion to sentence by cosine alone": self.told_by_cosine,
             "ranks": {description: [r + 1 for r in row] for description, row in self.ranks.items()},
         }
 
@@ -61,9 +69,23 @@ def evaluate_described(takes: Iterable[CaptionedTake], bundle: Bundle) -> Descri
     if not asked:
         raise QueryError("no take of that split can be read and has a description; see docs/evaluation.md")
     gallery = bundle.encode_motions([take.motion for take in takes])
+    queries = {description: encode_queries(bundle, sentences) for description, sentences in asked.items()}
     found = {}
-    for description, sentences in asked.items():
-        similarity = encode_queries(bundle, sentences) @ gallery.T
+    for description, vectors in queries.items():
+        similarity = vectors @ gallery.T
         right = np.broadcast_to(descriptions == description, similarity.shape)
         found[description] = ranks(similarity, right).tolist()
-    return DescribedReport(len(takes), found)
+    every = np.concatenate(list(queries.values()))
+    about = np.repeat(list(queries), [len(vectors) for vectors in queries.values()])
+    files = np.flatnonzero(np.isin(descriptions, about))
+    cosines = gallery[files] @ every.T
+    told, by_cosine = (
+        _averaged(about[scores.argmax(axis=1)] == descriptions[files], descriptions[files])
+        for scores in (cosines - nearness(bundle, every), cosines)
+    )
+    return DescribedReport(len(takes), found, told, by_cosine)
+
+
+def _averaged(right: NDArray[np.bool_], group: NDArray[np.str_]) -> float:
+    """Percent that is right, the mean over groups."""
+    return 100 * float(np.mean([right[group == name].mean() for name in np.unique(group)]))

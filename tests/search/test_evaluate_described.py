@@ -34,3 +34,10 @@ def test_a_sentence_written_about_several_files_is_asked_once() -> None:
 def test_an_archive_without_descriptions_is_an_error(takes: list[CaptionedTake]) -> None:
     with pytest.raises(QueryError, match="has a description"):
         evaluate_described(takes, KnownAnswers())  # type: ignore[arg-type]
+
+
+def test_the_first_sentence_for_a_motion_is_counted_by_description() -> None:
+    takes = [take(0, "zero"), take(1, "two"), take(2, "two"), take(3, "three")]
+    report = evaluate_described(takes, KnownAnswers())  # type: ignore[arg-type]
+    assert report.told == pytest.approx(100 * (0.5 + 1 + 1) / 3), "one file of 'two' is like no sentence"
+    assert report.told_by_cosine == report.told

@@ -33,13 +33,13 @@ def test_what_is_near_everything_no_longer_comes_first() -> None:
     assert adjusted[1] > adjusted[0]
 
 
-def test_half_the_mean_of_the_thirty_nearest_is_taken() -> None:
+def test_a_share_of_the_mean_of_the_thirty_nearest_is_taken() -> None:
     nearest = np.sort(MOTIONS @ OWN)[-30:]
-    assert nearness(bundle(MOTIONS), OWN[None]) == pytest.approx([nearest.mean() / 2], abs=1e-6)  # type: ignore[arg-type]
+    assert nearness(bundle(MOTIONS), OWN[None]) == pytest.approx([0.35 * nearest.mean()], abs=1e-6)  # type: ignore[arg-type]
 
 
 def test_few_motions_are_all_near() -> None:
-    assert nearness(bundle(MOTIONS[:3]), OWN[None]) == pytest.approx([(MOTIONS[:3] @ OWN).mean() / 2])  # type: ignore[arg-type]
+    assert nearness(bundle(MOTIONS[:3]), OWN[None]) == pytest.approx([0.35 * (MOTIONS[:3] @ OWN).mean()])  # type: ignore[arg-type]
 
 
 def test_a_bundle_without_calibration_takes_nothing() -> None:
