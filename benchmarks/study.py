@@ -35,6 +35,9 @@ PLAIN = Recipe(
     yaw=0.0,
     tilt=0.0,
     real_share=0.0,
+    crop=0.0,
+    noise=0.0,
+    bias=0.0,
 )
 VARIANTS = {
     "TMR": PLAIN,
@@ -44,7 +47,7 @@ VARIANTS = {
     "TEMOS (no contrastive loss)": replace(PLAIN, contrast="none"),
     "the default recipe": replace(Recipe(), real_share=0.0),
     "default, temperature fixed at 0.1": replace(Recipe(), real_share=0.0, temperature=0.1, learn_temperature=False),
-    "default, no hard negatives": replace(Recipe(), real_share=0.0, hard_negatives=0, telling=0.0),
+    "default, no false twins": replace(Recipe(), real_share=0.0, hard_negatives=0, telling=0.0),
     "default, sampled latents": replace(Recipe(), real_share=0.0, sampled=True),
 }
 COLUMNS = ("strict_R@1", "strict_MedR", "made_R@1", "made_R@10", "swapped")

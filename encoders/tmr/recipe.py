@@ -53,21 +53,21 @@ class Recipe:
 
     network: Config = field(default_factory=default_network)
     weights: Weights = field(default_factory=lambda: Weights(contrastive=0.5))
-    steps: int = 2400
+    steps: int = 5400
     batch: int = 192
     rate: float = 1e-3
     warmup: int = 60
     decay: float = 0.02
-    real_share: float = 0.2
+    real_share: float = 0.15
     temperature: float = 0.07
     learn_temperature: bool = True
     filter: str = "facts"
     similarity: float = 0.8
     contrast: str = "infonce"
-    hard_negatives: int = 48
-    telling: float = 0.5
+    hard_negatives: int = 64
+    telling: float = 2.0
     unrelated: int = 8
-    crop: float = 0.3
+    crop: float = 0.5
     noise: float = 0.03
     bias: float = 0.1
     yaw: float = 4.0

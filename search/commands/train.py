@@ -26,7 +26,7 @@ _RECOMBINED = 1500
 
 @click.command()
 @click.argument("run", type=click.Path(file_okay=False, path_type=Path))
-@click.option("--made", type=click.IntRange(1000), default=15_000, show_default=True, help="Clips made by rule.")
+@click.option("--made", type=click.IntRange(1000), default=32_500, show_default=True, help="Clips made by rule.")
 @click.option("--real", type=_FOLDER, help="Folder of captioned takes with a manifest.tsv.")
 @click.option("--captions", type=_FILE, help="What people wrote about them, JSON lines.")
 @click.option("--sentences", type=_FILE, help="Human sentences to act out, one a line.")
