@@ -38,7 +38,9 @@ def serve(
         import fastapi  # noqa: F401
         import uvicorn  # noqa: F401
     except ImportError:
-        raise click.ClickException("serving needs three more packages; run: pip install fastapi uvicorn httptools") from None
+        raise click.ClickException(
+            "serving needs three more packages; run: pip install fastapi uvicorn httptools"
+        ) from None
 
     from search.locate import locate
     from search.server.app import create_app
