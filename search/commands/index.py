@@ -63,6 +63,7 @@ def index(
             raise click.UsageError(f"{folder} is a file; index its folder, or ask about it as it is: describe {folder}")
         if not Path(folder).is_dir():
             raise click.UsageError(f"there is no folder {folder}")
+    _give_way()
     library = library or os.environ.get(VARIABLE)
     names = read_joint_map(joint_map) if joint_map else None
     place = Path(library or Path(folders[0]) / FOLDER)
@@ -78,6 +79,12 @@ def index(
     else:
         report(summary, library or folders[0])
     return 130 if summary.interrupted else int(bool(summary.failed))
+
+
+def _give_way() -> None:
+    """Run at low priority, so that a server or an editor on the same machine comes first."""
+    if hasattr(os, "setpriority"):
+        os.setpriority(os.PRIO_PROCESS, 0, max(10, os.getpriority(os.PRIO_PROCESS, 0)))
 
 
 def read_joint_map(path: Path) -> dict[str, str]:
