@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterable
 from typing import Generic, TypeVar
 
 Value = TypeVar("Value")
@@ -35,6 +35,12 @@ class Cache(Generic[Value]):
             self._held.move_to_end(key)
             while len(self._held) > self._size:
                 self._held.popitem(last=False)
+
+    def drop(self, keys: Iterable[Hashable]) -> None:
+        """Forget values."""
+        with self._lock:
+            for key in keys:
+                self._held.pop(key, None)
 
     def get_or(self, key: Hashable, make: Callable[[], Value]) -> Value:
         """The value, made now where there is none; two threads may both make it."""

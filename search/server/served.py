@@ -32,16 +32,19 @@ Vectors = NDArray[np.float32]
 
 #: Seconds between two looks at whether the library has grown.
 _LOOK_EVERY = 0.5
+_CHANGED = "SELECT id FROM clips WHERE generation > ?"
+_SAID = "SELECT count(*), max(id), total(id), total(text_id), total(clip_id) FROM captions"
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The vectors of one generation and the number of clips."""
+    """The vectors of one generation, the number of clips, and numbers that change with any caption."""
 
     generation: int
     clips: FlatVectors
     windows: FlatVectors
     count: int
+    said: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -101,7 +104,8 @@ class ServedLibrary(SearchableLibrary):
             return False
         try:
             self._check(self.bundle)
-            self._snapshot = self._look()
+            before, self._snapshot = self._snapshot.generation, self._look()
+            self._held_clips.drop(id for (id,) in self.connection.execute(_CHANGED, (before,)))
             self._trouble = None
         except MotionSeekError as error:
             self._trouble = error
@@ -109,7 +113,8 @@ class ServedLibrary(SearchableLibrary):
 
     def _look(self) -> Snapshot:
         clips, windows = (self._galleries.current(kind, self.connection) for kind in (CLIPS, WINDOWS))
-        return Snapshot(min(clips.generation, windows.generation), clips, windows, super().__len__())
+        said = self.connection.execute(_SAID).fetchone()
+        return Snapshot(min(clips.generation, windows.generation), clips, windows, super().__len__(), said)
 
     def _watch(self) -> None:
         while not self._stop.wait(_LOOK_EVERY):
@@ -140,17 +145,18 @@ class ServedLibrary(SearchableLibrary):
 
     def clips(self, ids: Iterable[int]) -> dict[int, Clip]:
         """See `Library.clips`."""
-        generation = self.snapshot.generation
-        held = {int(i): self._held_clips.get((generation, int(i))) for i in ids}
+        asked = self.snapshot
+        held = {int(i): self._held_clips.get(int(i)) for i in ids}
         new = super().clips([i for i, clip in held.items() if clip is None])
         for i, clip in new.items():
-            self._held_clips.put((generation, i), clip)
+            if asked is self._snapshot:  # else it may have changed since it was read
+                self._held_clips.put(i, clip)
         found = {i: new.get(i) if clip is None else clip for i, clip in held.items()}
         return {i: clip for i, clip in found.items() if clip is not None}
 
     def captions(self, id: int) -> list[Caption]:
         """See `Library.captions`."""
-        key = (self.snapshot.generation, int(id))
+        key = (self.snapshot.said, int(id))
         return self._held_captions.get_or(key, lambda: super(ServedLibrary, self).captions(id))
 
     def source(self, ref: Ref | Source) -> Source:

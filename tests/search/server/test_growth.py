@@ -79,3 +79,21 @@ def test_a_library_of_another_model_is_no_longer_answered_from(served, bundle, m
             time.sleep(0.05)
     assert response.status_code == 503
     assert "model" in client.get("/api/search", params={"q": "walks"}).json()["error"]
+
+
+def test_what_is_remembered_of_a_clip_outlives_growth_and_not_a_change_of_the_clip(served, bundle, tmp_path: Path):
+    served()
+    folder = tmp_path / "takes"
+    with ServedLibrary.open(folder, bundle=bundle) as library:  # refreshed by hand
+        clips = {clip.path: clip for clip in library.clips(library.ids()).values()}
+        np.save(folder / "new.npy", made_motion(5.0, 77).joints)
+        (folder / "take 2.npy").rename(folder / "renamed.npy")
+        (folder / "take 1.txt").write_text("a person hops\n", encoding="utf-8")
+        ids = {path: clip.id for path, clip in clips.items()}
+        said = library.captions(ids["take 1.npy"])
+        ingest.index(folder, bundle=bundle, jobs=1)
+        assert library.refresh()
+        now = library.clips(ids.values())
+        assert now[ids["take 1.npy"]] is clips["take 1.npy"]
+        assert now[ids["take 2.npy"]].path == "renamed.npy"
+        assert library.captions(ids["take 1.npy"]) != said
