@@ -47,18 +47,22 @@ def shown(chromium: Any, tmp_path: Path) -> Iterator[Shown]:
     assert faults == []
 
 
-def _moves(page: Any, place: int = 0) -> bool:
+def _moves(page: Any, place: int = 0, *, within: int = 10_000) -> bool:
+    """Whether a canvas changes within so many milliseconds; a busy machine draws its first frame late."""
     canvas = page.locator("canvas").nth(place)
     before = canvas.evaluate(_SUM)
-    page.wait_for_timeout(400)
-    return bool(canvas.evaluate(_SUM) != before)
+    for _ in range(within // 200):
+        page.wait_for_timeout(200)
+        if canvas.evaluate(_SUM) != before:
+            return True
+    return False
 
 
 def test_a_motion_moves_and_stops_where_it_is_clicked(shown: Shown) -> None:
     page = shown(made_motion(4, 0)._repr_html_())
     assert _moves(page)
     page.click("canvas")
-    assert not _moves(page)
+    assert not _moves(page, within=400)
     assert page.get_attribute("canvas", "aria-label").startswith("Play: ")
     page.keyboard.press("Space")
     assert _moves(page)
@@ -77,12 +81,12 @@ def test_a_figure_turns_by_dragging_and_by_keys(shown: Shown) -> None:
     page.keyboard.press("ArrowLeft")
     sums.append(canvas.evaluate(_SUM))
     assert len(set(sums)) == 3
-    assert not _moves(page)  # a drag is no click
+    assert not _moves(page, within=400)  # a drag is no click
 
 
 def test_who_wants_no_motion_gets_a_still_until_asking_for_it(shown: Shown) -> None:
     page = shown(made_motion(4, 0)._repr_html_(), reduced_motion="reduce")
-    assert not _moves(page)
+    assert not _moves(page, within=400)
     page.click("canvas")
     assert _moves(page)
 
@@ -96,7 +100,7 @@ def test_several_on_one_page_leave_each_other_alone(shown: Shown) -> None:
     assert page.locator("canvas").count() == 7
     assert all(_moves(page, place) for place in (0, 1, 3))
     page.locator("canvas").nth(1).click()
-    assert not _moves(page, 1)
+    assert not _moves(page, 1, within=400)
     assert _moves(page, 2)
 
 
