@@ -78,11 +78,12 @@ def sharpen_chain(
         gain[: max(first - reach, 0)] = gain[last + reach :] = -np.inf
         rows.append(gain)
     return [
-        Moment(offset + a / fps, offset + b / fps, float(values[a:b].mean()))
+        Moment(offset + a / fps, offset + b / fps, float(values[a:b].mean()), float(values[a:b].max()))
         for values, (a, b) in zip(similarity, best_spans(rows, round(_LEAST * fps)), strict=True)
     ]
 
 
 def whole(chain: Sequence[Moment]) -> Moment:
     """The span from the first step's start to the last one's end, with the mean of their similarities."""
-    return Moment(chain[0].start, chain[-1].end, float(np.mean([step.score for step in chain])))
+    score, height = (float(np.mean(values)) for values in zip(*((s.score, s.height) for s in chain), strict=True))
+    return Moment(chain[0].start, chain[-1].end, score, height)

@@ -192,7 +192,7 @@ class SearchableLibrary(Library):
             else self._best_answers(question, queries, k, allowed)
         )
         clips = self.clips([clip_id for clip_id, *_ in found])
-        strengths = judge(self.bundle, queries.mean(axis=0), [moment.score for _, moment, _ in found], asked=asked)
+        strengths = judge(self.bundle, queries.mean(axis=0), [moment.height for _, moment, _ in found], asked=asked)
         return Hits(
             self._hit(rank, clips[clip_id], moment, strength, steps)
             for rank, ((clip_id, moment, steps), strength) in enumerate(zip(found, strengths, strict=True), start=1)

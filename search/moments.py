@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,11 +29,17 @@ Region = Callable[[float, float], tuple[Vectors, float]]
 
 @dataclass(frozen=True)
 class Moment:
-    """A span of a take, in seconds, and its similarity to the query: the mean over its instants."""
+    """A span of a take, in seconds, and its similarity to the query: the mean over its instants, and the highest."""
 
     start: float
     end: float
     score: float
+    peak: float | None = field(default=None, compare=False)
+
+    @property
+    def height(self) -> float:
+        """What its strength is judged by: as a clip's is, by the window that fits best."""
+        return self.score if self.peak is None else self.peak
 
 
 def score_take(encoder: Encoder, features: Vectors, fps: float, queries: Vectors) -> list[Scored]:
@@ -173,7 +179,10 @@ def _grown(
             (end + (end - start) if goes_on_after else end),
         )
         return _grown(encoder, region, fps, queries, level, *wider, places)
-    return [Moment(offset + a / fps, offset + b / fps, float(similarity[a:b].mean())) for a, b in spans]
+    return [
+        Moment(offset + a / fps, offset + b / fps, float(similarity[a:b].mean()), float(similarity[a:b].max()))
+        for a, b in spans
+    ]
 
 
 def _stretches(places: Sequence[Moment], reach: float) -> list[tuple[float, float, list[Moment]]]:

@@ -39,7 +39,7 @@ def moments_in(bundle: Bundle, source: Source, question: Question, k: int) -> li
     """The best moments of one motion, best first."""
     queries = question.encode(bundle)
     found = find(bundle, source, question, queries, k)
-    strengths = judge(bundle, queries.mean(axis=0), [moment.score for moment, _ in found])
+    strengths = judge(bundle, queries.mean(axis=0), [moment.height for moment, _ in found])
     return Hits(
         hit(rank, source, moment, strength, steps)
         for rank, ((moment, steps), strength) in enumerate(zip(found, strengths, strict=True), start=1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from search.dense import Scored, curve, every, score_windows
-from search.moments import localise, score_take
+from search.moments import Moment, localise, score_take
 from search.spans import iou, suppress
 from tests.search.fakes import FPS, MeanEncoder, query, take
 
@@ -86,3 +86,8 @@ def test_windows_cover_a_take_to_its_end() -> None:
 def test_the_curve_interpolates_between_the_centres_of_windows() -> None:
     windows = Scored(np.array([0.0, 1.0]), np.array([2.0, 3.0]), np.array([[0.0, 1.0]], np.float32))
     assert curve(windows, np.array([0.0, 1.0, 1.5, 2.0, 9.0]))[0].tolist() == pytest.approx([0, 0, 0.5, 1, 1])
+
+
+def test_a_moment_is_judged_by_its_highest_instant() -> None:
+    assert Moment(0.0, 2.0, 0.4, 0.6).height == 0.6
+    assert Moment(0.0, 2.0, 0.4).height == 0.4, "a window is as high as its score"
