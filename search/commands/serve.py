@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import secrets
 import webbrowser
+from contextlib import suppress
 from pathlib import Path
 
 import click
@@ -66,7 +67,6 @@ def serve(
             webbrowser.open(url)
 
     app = create_app(library, host=host, names=names, token=token)
-    try:
+    with suppress(KeyboardInterrupt):
         run(app, listening, ready=ready)
-    except KeyboardInterrupt:
-        click.echo("ended", err=True)
+    click.echo("ended", err=True)
