@@ -252,8 +252,7 @@ def main() -> None:
             return Usage.of(server.pid), indexing.goes_on()
 
         earlier = asked(given.before, 5)
-        idle = lambda: (Usage.of(server.pid), False)  # noqa: E731
-        asyncio.run(load(given.port, earlier, 0, look=idle, every=1e6))
+        asyncio.run(load(given.port, earlier, 0, look=lambda: (Usage.of(server.pid), False), every=1e6))
         sentences = asked(round((given.rate or 300) * given.seconds), 4)
         print(f"asked for {given.seconds:g} s at {given.rate:g} a second on {len(os.sched_getaffinity(0))} cores")
         try:

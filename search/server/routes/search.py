@@ -92,8 +92,7 @@ def routes(state: State) -> APIRouter:
     @router.get("/describe", responses=ok(documents.DescriptionShape) | NO_CLIP)
     async def describe(request: Request, clip: ClipRef, span: Span, k: Count = 5) -> Response:
         """The sentences that fit a clip, or a span of it, best."""
-        make = lambda: described(state.source(clip), clip, span, k)  # noqa: E731
-        return encoded(await state.remembered(_asked(request), make))
+        return encoded(await state.remembered(_asked(request), lambda: described(state.source(clip), clip, span, k)))
 
     @router.post("/describe", openapi_extra=_BODY, responses=ok(documents.DescriptionShape) | UPLOAD)
     async def describe_upload(request: Request, name: FileName, span: Span, k: Count = 5) -> Response:
@@ -119,7 +118,10 @@ def routes(state: State) -> APIRouter:
     ) -> Response:
         """The clips, or with `moments` the spans, that move like a clip or a span of it."""
         part = slice(offset, offset + k)
-        make = lambda: alike(state.source(clip), clip, span, moments, part, given)  # noqa: E731
+
+        def make() -> bytes:
+            return alike(state.source(clip), clip, span, moments, part, given)
+
         return encoded(await state.remembered(_asked(request), make))
 
     @router.post("/similar", openapi_extra=_BODY, responses=ok(documents.SimilarShape) | UPLOAD)
