@@ -188,7 +188,7 @@ def _lower(curves: Curves, hips: Array, offsets: Array, scale: float) -> Array:
     grounded = np.clip(2.0 - curves.feet[..., 1] / (1.5 * ANKLE), 0.0, 1.0)
     needed = (np.clip(excess, 0.0, 0.12) * grounded).max(-1)
     # The mean of the highest nearby is never lower than what is needed, and smooth.
-    for width, reduced in ((3, np.max), (3, np.mean)):
+    for width, reduced in ((7, np.max), (7, np.mean)):
         needed = reduced(sliding_window_view(np.pad(needed, width // 2, mode="edge"), width), axis=-1)
     return np.asarray(needed[:, None])
 

@@ -85,7 +85,7 @@ def bearing(direction: str, way: Array, rng: Generator, *, faces: bool = False) 
         return _back_and_forth(gone, total, rng), 0.0
     angle = TURN[direction]
     if "-" in direction:  # diagonals are seldom exact
-        angle += np.sign(angle) * np.deg2rad(rng.uniform(-25, 15) * (1 if direction.startswith("forward") else -1))
+        angle += np.sign(angle) * np.deg2rad(rng.uniform(-20, 20) * (1 if direction.startswith("forward") else -1))
     backward = direction.startswith("backward")
     if faces or backward or not angle or rng.random() < (0.75 if "-" in direction else 0.55):
         if direction in ("left", "right") and not faces:  # who goes left while looking ahead goes ahead, too
@@ -93,6 +93,11 @@ def bearing(direction: str, way: Array, rng: Generator, *, faces: bool = False) 
         return rng.normal(0.0, 0.1) * gone / max(total, 3.0), angle
     start = rng.uniform(0.0, 0.4) * total
     return angle * rng.uniform(0.85, 1.1) * ease((gone - start) / rng.uniform(0.5, 1.1)), 0.0
+
+
+def askew(rng: Generator) -> float:
+    """How far somebody who goes ahead is turned from the way, radians: hardly, but up to 12 degrees."""
+    return float(np.clip(rng.normal(0.0, 0.08), -0.21, 0.21))
 
 
 def travel(
@@ -107,12 +112,15 @@ def travel(
     fastest = 1.9 if gait.duty > 0.5 else 7.0
     speed = gait.speed * pace * manner.factor("pace") * stride * sideways
     speed = min(speed, fastest)
-    going = effort(frames, rng, rest=0.5) if going is None else going
+    if going is None:  # runs in a hall are short, with the start and the stop inside
+        going = effort(frames, rng, rest=0.5 if gait.duty > 0.5 else 0.65)
     way = np.cumsum(speed * going) / FPS
     facing, angle = bearing(
         "" if still else step.direction, np.zeros_like(way) if still else way, rng, faces=gait.faces
     )
     pace_of_feet = gait.cadence * np.sqrt(pace) * manner.factor("pace")
+    if not still and abs(angle) < 0.3:
+        angle += askew(rng)
     # A leg reaches only so far: who steps out further at this cadence stands shorter.
     reach = 0.66 if gait.duty < 0.5 else 0.95
     duty = min(gait.duty, max(reach * pace_of_feet / 2 / max(speed, 0.1), 0.52 if gait.duty > 0.5 else 0.2))
@@ -149,8 +157,9 @@ def integrate(way: Array, direction: Array) -> Array:
 
 
 def stay(step: Step, gait: Gait, manner: Manner, rng: Generator) -> int:
-    """Frames that a performer has at this gait: 2 to 6 seconds, mostly cut short by a room of 3 to 8 metres."""
-    frames = int(rng.uniform(1.5 if gait.duty < 0.5 else 2.0, 6.0) * FPS)
+    """Frames that a performer has at this gait: up to 6 seconds, mostly cut short by a room of 3 to 8 metres."""
+    runs = gait.duty < 0.5
+    frames = int((rng.uniform(1.5, 4.0) if runs and rng.random() < 0.6 else rng.uniform(2.0, 6.0)) * FPS)
     if step.direction not in STRAIGHT or rng.random() < 0.2:
         return frames
     speed = gait.speed * manner.factor("pace") * manner.factor("stride") * SPEED[step.speed]
@@ -161,6 +170,10 @@ def go(step: Step, gait: Gait, manner: Manner, rng: Generator, frames: int = 0) 
     """Act a gait out along the step's direction, 2 to 6 seconds long or as the room allows unless `frames` says."""
     course, gait = travel(step, gait, manner, rng, frames or stay(step, gait, manner, rng))
     curves = step_along(course, gait, manner)
+    # Few carry hips and shoulders quite square to each other.
+    twisted = rng.normal(0.0, 0.05)
+    curves.pelvis[:, 2] -= twisted
+    curves.spine[:, 2] += 1.5 * twisted
     if rng.random() < 0.4:  # looks where it goes
         _look_along(curves, rng.uniform(0.1, 0.6))
     return curves

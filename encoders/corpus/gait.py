@@ -51,6 +51,10 @@ class Gait:
         How far the trunk pitches to either side with every step, radians.
     kick : float
         How far the heel trails in the swing, metres.
+    drawn : float
+        How far back the upper arms are carried, radians.
+    knees : float
+        How far the knee swings out on its way, radians; inward where negative.
     width : float
         Half the distance of the feet.
     crouch : float
@@ -65,9 +69,9 @@ class Gait:
 
     speed: float = 1.25
     cadence: float = 1.85
-    duty: float = 0.61
+    duty: float = 0.575
     lift: float = 0.11
-    bob: float = 0.01
+    bob: float = 0.008
     push: float = 0.75
     tiptoe: float = 0.0
     lean: float = 0.03
@@ -79,7 +83,9 @@ class Gait:
     around: float = 0.03
     nod: float = 0.016
     kick: float = 0.04
-    width: float = 0.05
+    drawn: float = 0.05
+    knees: float = 0.0
+    width: float = 0.04
     crouch: float = 0.005
     offset: float = 0.5
     cross: float = 0.0
@@ -150,8 +156,8 @@ def plant(course: Course, phase: Array, duty: float, aside: float, ahead: float 
     return place, share, swing
 
 
-def _foot(course: Course, gait: Gait, manner: Manner, side: int) -> tuple[Array, Array, Array]:
-    """Ankle (N, 3), foot pitch (N,) and foot yaw (N,) of one side."""
+def _foot(course: Course, gait: Gait, manner: Manner, side: int) -> tuple[Array, Array, Array, Array]:
+    """Ankle (N, 3), foot pitch (N,), foot yaw (N,) and the knee's swing outward (N,) of one side."""
     width = gait.width * float(np.clip(manner.factor("width"), 0.25, 2.2))
     place, share, swing = plant(
         course,
@@ -181,7 +187,7 @@ def _foot(course: Course, gait: Gait, manner: Manner, side: int) -> tuple[Array,
     ankle[:, 1] = ANKLE + place[:, 1] + raised + up
     ankle[:, 2] = place[:, 2] + forward * np.cos(facing) - outward * np.sin(facing)
     toes = 0.0 if gait.tiptoe else 0.35 * min(gait.push, 0.7)
-    return ankle, toes * effort * np.minimum(land, 1.0) - heel, facing
+    return ankle, toes * effort * np.minimum(land, 1.0) - heel, facing, gait.knees * swinging
 
 
 def step_along(course: Course, gait: Gait, manner: Manner) -> Curves:
@@ -190,14 +196,16 @@ def step_along(course: Course, gait: Gait, manner: Manner) -> Curves:
     phase, effort = course.phase[keep], course.effort[keep]
     curves = standing(len(phase), LEGS)
     for side in (LEFT, RIGHT):
-        ankle, pitch, yaw = _foot(course, gait, manner, side)
+        ankle, pitch, yaw, knee = _foot(course, gait, manner, side)
         curves.feet[:, side], curves.foot_pitch[:, side] = ankle[keep], pitch[keep]
         curves.foot_yaw[:, side] = yaw[keep] - 0.6 * curves.foot_yaw[:, side]  # toes point straight ahead
+        curves.knee[:, side] += knee[keep] if side == LEFT else -knee[keep]
     cycle = 2 * np.pi * phase
     middle = cycle - np.pi * gait.duty  # 0 in the middle of the left foot's stance, half a turn on of the right's
     beat = np.cos(middle)
     _hips(curves, course, gait, manner, middle)
     _torso(curves, gait, manner, effort, cycle, beat)
+    _balance(curves, course, 0.25 if gait.duty > 0.5 else 0.4)
     _arms(curves, gait, manner, effort, cycle)
     return curves
 
@@ -210,12 +218,13 @@ def _hips(curves: Curves, course: Course, gait: Gait, manner: Manner, middle: Ar
     wide = (0.04 if gait.duty < 0.5 else 0.026) * narrow
     sway = wide * float(np.clip(manner.factor("sway"), 0.2, 2.5)) * effort * beat
     # Slower over the standing foot, faster from foot to foot; least so where the body flies.
-    share = 0.2 if gait.duty > 0.5 else 0.08
+    share = 0.13 if gait.duty > 0.5 else 0.08
     surge = np.gradient(course.root, axis=0)[keep] * FPS * share / (2 * np.pi * gait.cadence)
     surge *= -np.sin(2 * middle)[:, None]
     curves.root[:, 0] = course.root[keep, 0] + sway * np.cos(facing) + surge[:, 0]
     curves.root[:, 2] = course.root[keep, 1] - sway * np.sin(facing) + surge[:, 1]
-    bob = gait.bob * float(np.clip(manner.factor("bounce"), 0.2, 2.5)) * (-1.0 if gait.duty < 0.5 else 1.0)
+    bob = gait.bob * float(np.clip(manner.factor("bounce"), 0.2, 2.5)) + 0.018 * max(manner.bounce - 0.25, 0.0)
+    bob = (-bob if gait.duty < 0.5 else bob) + manner.pulse
     level = smooth_level(course.level, len(course.phase))[keep]
     # A spared leg makes the body sink and lean while it stands.
     curves.root[:, 1] = STAND + level - gait.crouch + 0.12 * np.sin(gait.tiptoe)
@@ -242,17 +251,33 @@ def _torso(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Arr
     curves.spine[:, 0] = 0.65 * gait.lean * effort
     # The trunk leans to the foot that lands.
     tip = 0.13 if gait.duty < 0.5 else 0.07
-    curves.spine[:, 1] = roll + effort * (tip * np.cos(cycle) + 0.12 * manner.limp * beat)
+    curves.spine[:, 1] = roll + effort * ((tip + manner.rock) * np.cos(cycle) + 0.12 * manner.limp * beat)
     curves.spine[:, 2] = (1 + gait.yaw) * turn
-    curves.head[:, 0] = -0.5 * gait.lean * effort
+    curves.head[:, 0] = -0.5 * gait.lean * effort + 4.0 * manner.pulse * effort * np.cos(2 * cycle)
     curves.head[:, 2] = -0.7 * turn
+
+
+def _balance(curves: Curves, course: Course, share: float) -> None:
+    """Lean against what speeds the body up, slows it down and carries it round a bend, by a share of what is due."""
+    keep = slice(PAD, len(course.phase) - PAD)
+    sin, cos = np.sin(course.facing), np.cos(course.facing)
+    velocity = np.gradient(course.root, axis=0) * FPS
+    forward = velocity[:, 0] * sin + velocity[:, 1] * cos
+    ahead = share * np.gradient(forward)[keep] * FPS / 9.81
+    inward = 1.5 * share * (forward * np.gradient(course.facing))[keep] * FPS / 9.81
+    lean, roll = 0.35 * np.tanh(ahead / 0.35), 0.25 * np.tanh(inward / 0.25)
+    curves.pelvis[:, 0] += 0.5 * lean
+    curves.spine[:, 0] += 0.5 * lean
+    curves.head[:, 0] -= 0.6 * lean
+    curves.pelvis[:, 1] += 0.6 * roll
+    curves.spine[:, 1] += 0.4 * roll
 
 
 def _arms(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Array) -> None:
     swing = gait.arms * float(np.clip(manner.factor("swing"), 0.05, 2.2))
     side = np.stack([-np.cos(cycle - 0.15), np.cos(cycle - 0.15)], axis=1)  # 1: this arm is ahead
     effort = effort[:, None]
-    upper = effort * (swing * side - 0.12 * gait.elbow)
+    upper = effort * (swing * side - gait.drawn)
     # Walkers swing the forearm, runners the upper arm, hands before the body.
     forearm, inward = (0.2, 0.08) if gait.duty < 0.5 else (1.2, 0.0)
     bend = 0.2 + effort * (gait.elbow - 0.2 + forearm * swing * (side + 0.3))

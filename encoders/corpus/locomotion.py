@@ -34,31 +34,42 @@ def _own(gait: Gait, speed: Range, cadence: Range, rng: Generator) -> Gait:
     """
     share = rng.random()
     feet = float(np.clip(share + rng.normal(0.0, 0.3), 0.0, 1.0))
+    runs = gait.duty < 0.5
     own = replace(
         gait,
         speed=speed[0] + share * (speed[1] - speed[0]),
         cadence=cadence[0] + feet * (cadence[1] - cadence[0]),
-        lift=gait.lift * rng.uniform(0.7, 1.3),
-        bob=gait.bob * rng.uniform(0.7, 1.4),
+        duty=gait.duty * rng.uniform(0.91, 1.05),
+        lift=gait.lift * rng.uniform(0.6, 1.35),
+        bob=gait.bob * rng.uniform(0.6, 1.5),
         push=gait.push * rng.uniform(0.8, 1.15),
-        lean=gait.lean * rng.uniform(0.4, 1.5),
-        arms=gait.arms * rng.uniform(0.6, 1.4),
-        elbow=gait.elbow * rng.uniform(0.7, 1.2),
+        lean=gait.lean * rng.uniform(0.3, 1.7) + rng.normal(0.0, 0.03),
+        nod=gait.nod * rng.uniform(0.4, 2.0),
+        arms=gait.arms * float(np.exp(rng.normal(-0.05, 0.4))),
+        elbow=gait.elbow * rng.uniform(0.75, 1.2),
+        drawn=gait.drawn + rng.normal(0.0, 0.12 if runs else 0.06),
+        knees=rng.normal(0.0, 0.25 if runs else 0.08),
+        kick=gait.kick * rng.uniform(0.4, 1.6),
+        around=gait.around * rng.uniform(0.2, 2.0),
+        behind=gait.behind + rng.normal(0.0, 0.03 if runs else 0.012),
     )
-    if gait.duty > 0.5 or rng.random() > 0.15:
+    if not runs or rng.random() > 0.2:
         return own
-    return replace(own, speed=own.speed * rng.uniform(0.5, 0.8), bob=own.bob * rng.uniform(1.2, 1.8))
+    return replace(own, speed=own.speed * rng.uniform(0.45, 0.8), bob=own.bob * rng.uniform(1.2, 1.8))
 
 
 EVERYWHERE = (*STRAIGHT, *CURVED, "in place")
 RUNNING = (*AHEAD, *CURVED, "in place", "backward")
 
 _JOG = Gait(
-    duty=0.35, lift=0.24, bob=0.04, push=0.9, lean=0.2, arms=0.4, elbow=1.7, twist=0.2, yaw=-0.2, behind=0.09,
-    width=0.035, around=0.05, nod=0.03, kick=0.09, crouch=0.01,
+    duty=0.32, lift=0.26, bob=0.04, push=0.9, lean=0.23, arms=0.4, elbow=1.85, twist=0.2, yaw=-0.2, behind=0.06,
+    width=0.035, around=0.05, nod=0.04, kick=0.09, drawn=0.42, crouch=0.01,
 )  # fmt: skip
-_RUN = replace(_JOG, duty=0.31, lift=0.28, bob=0.045, push=1.0, lean=0.24, arms=0.45, twist=0.24, kick=0.11)
-_SPRINT = replace(_RUN, duty=0.26, lift=0.36, bob=0.035, push=1.1, lean=0.34, arms=0.8, twist=0.28, crouch=0.03)
+_RUN = replace(_JOG, duty=0.3, lift=0.27, bob=0.045, push=1.0, lean=0.29, arms=0.48, twist=0.24, kick=0.1)
+_SPRINT = replace(
+    _RUN, duty=0.25, lift=0.38, bob=0.035, push=1.1, lean=0.38, arms=0.85, elbow=1.65, drawn=0.3, twist=0.28, nod=0.05,
+    crouch=0.03,
+)  # fmt: skip
 _TIPTOE = Gait(duty=0.62, lift=0.06, bob=0.01, push=0.6, tiptoe=0.6, arms=0.15, elbow=0.5)
 _MARCH = Gait(duty=0.58, lift=0.32, push=0.4, lean=-0.05, arms=0.75, elbow=0.15, width=0.08)
 _STOMP = Gait(duty=0.6, lift=0.26, bob=0.04, push=0.2, lean=0.1, arms=0.35, elbow=0.7, width=0.12, crouch=0.04)
@@ -73,9 +84,9 @@ _HIGH_KNEES = Gait(duty=0.45, lift=0.42, bob=0.03, push=0.6, lean=0.0, arms=0.6,
 #: Name, gait, metres a second, steps a second, directions, weight.
 _GAITS: tuple[tuple[str, Gait, Range, Range, tuple[str, ...], float], ...] = (
     ("walk", Gait(), (1.0, 1.5), (1.7, 2.1), EVERYWHERE, 5.0),
-    ("jog", _JOG, (1.7, 3.6), (2.3, 2.9), RUNNING, 3.0),
-    ("run", _RUN, (2.0, 4.8), (2.4, 3.3), RUNNING, 4.0),
-    ("sprint", _SPRINT, (3.6, 6.8), (2.9, 4.1), ("forward", "left", "right", "back and forth"), 3.0),
+    ("jog", _JOG, (1.5, 3.4), (2.3, 3.0), RUNNING, 3.0),
+    ("run", _RUN, (2.0, 4.7), (2.5, 3.3), RUNNING, 4.0),
+    ("sprint", _SPRINT, (3.5, 6.8), (3.0, 4.3), ("forward", "left", "right", "back and forth"), 3.0),
     ("tiptoe", _TIPTOE, (0.4, 0.8), (1.5, 2.0), (*AHEAD, "backward", "around"), 1.0),
     ("march", _MARCH, (0.7, 1.2), (1.6, 2.0), (*AHEAD, "in place", "around", "backward"), 1.0),
     ("stomp", _STOMP, (0.5, 1.0), (1.4, 1.8), ("forward", "in place", "around"), 1.0),

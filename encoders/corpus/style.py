@@ -9,6 +9,7 @@ from numpy.random import Generator
 
 from encoders.corpus.curves import Array, Curves
 from encoders.corpus.unseen.styles import STYLES as UNSEEN_STYLES
+from encoders.motion import FPS
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,11 @@ class Manner:
     tremble: float = 0.0  # fast small shaking, metres
     jerk: float = 0.0  # 0 smooth to 1 stop-and-go
     limp: float = 0.0  # positive spares the left leg, negative the right
+    rock: float = 0.0  # shoulders tip from side to side with every step, radians
+    pulse: float = 0.0  # hips and head bounce to a beat, metres
+    splay: float = 0.0  # knees outward, radians
+
+    carriage: str = ""  # where idle hands are carried, a name of `CARRIAGES`
 
     def factor(self, field: str) -> float:
         """Factor of a logarithmic field, e.g. ``manner.factor("pace")``."""
@@ -52,7 +58,7 @@ class Manner:
 
 
 NEUTRAL = Manner()
-_FIELDS = [field.name for field in fields(Manner)]
+_FIELDS = [field.name for field in fields(Manner) if field.name != "carriage"]
 
 #: Body changes of each style at full strength.
 STYLES: dict[str, dict[str, float]] = {
@@ -63,7 +69,8 @@ STYLES: dict[str, dict[str, float]] = {
     "angry": {"pace": 0.25, "stride": 0.1, "swing": 0.35, "bend": 0.15, "nod": 0.15, "apart": 0.1, "elbow": 0.4,
         "bounce": 0.3, "jerk": 0.3, "width": 0.2, "lift": 0.02, "raised": 0.08, "reach": 0.15, "shrug": 0.1},
     "happy": {"pace": 0.12, "stride": 0.05, "swing": 0.6, "bend": -0.1, "nod": -0.15, "bounce": 0.6, "sway": 0.35,
-        "lift": 0.05, "apart": 0.08, "raised": 0.12, "twist": 0.3, "reach": 0.2, "elbow": 0.2},
+        "lift": 0.05, "apart": 0.08, "raised": 0.12, "twist": 0.3, "reach": 0.2, "elbow": 0.2,
+        "pulse": 0.012},
     "proud": {"pace": -0.1, "stride": 0.1, "swing": 0.2, "bend": -0.28, "nod": -0.2, "apart": 0.14, "elbow": 0.4,
         "width": 0.15, "twist": 0.15, "toes": 0.2, "lift": 0.02},
     "sad": {"pace": -0.35, "stride": -0.35, "swing": -0.8, "bend": 0.28, "nod": 0.6, "lift": -0.04, "bounce": -0.4,
@@ -74,11 +81,13 @@ STYLES: dict[str, dict[str, float]] = {
     "sneaking": {"pace": -0.5, "stride": 0.05, "swing": -0.5, "bend": 0.45, "crouch": 0.14, "lift": 0.08,
         "raised": 0.3, "ahead": 0.25, "nod": -0.3, "elbow": 0.2, "bounce": -0.5},
     "heavy": {"pace": -0.35, "stride": -0.05, "swing": -0.1, "width": 0.7, "sway": 0.7, "apart": 0.25, "elbow": 0.35,
-        "bounce": 0.3, "lift": 0.06, "toes": 0.3, "bend": 0.05, "jerk": 0.1},
+        "bounce": 0.3, "lift": 0.06, "toes": 0.3, "bend": 0.05, "jerk": 0.1,
+        "rock": 0.08, "splay": 0.25},
     "feminine": {"pace": -0.03, "stride": -0.1, "sway": 0.9, "width": -0.7, "swing": -0.05, "apart": 0.06,
         "elbow": -0.35, "bend": -0.05, "twist": 0.25, "toes": -0.05, "raised": 0.06, "bounce": 0.1},
     "masculine": {"pace": -0.03, "stride": 0.1, "sway": 0.1, "width": 0.45, "apart": 0.18, "elbow": 0.4,
-        "swing": 0.15, "toes": 0.2, "twist": 0.2, "bend": -0.02, "shrug": 0.05},
+        "swing": 0.15, "toes": 0.2, "twist": 0.2, "bend": -0.02, "shrug": 0.05,
+        "rock": 0.04, "splay": 0.2},
     "childlike": {"pace": 0.25, "stride": -0.15, "swing": 0.8, "bounce": 0.8, "lift": 0.1, "apart": 0.16,
         "raised": 0.1, "sway": 0.3, "nod": -0.1, "reach": 0.3, "wander": 0.03, "twist": 0.3},
     "robotic": {"pace": -0.3, "jerk": 1.0, "sway": -1.5, "bounce": -1.0, "twist": -1.5, "raised": 0.22, "swing": 0.1,
@@ -94,21 +103,121 @@ STYLES: dict[str, dict[str, float]] = {
     "injured": {"pace": -0.5, "stride": -0.4, "limp": 1.0, "bend": 0.4, "roll": 0.12, "raised": 0.2, "ahead": 0.1,
         "swing": -0.7, "nod": 0.15},
     "cool": {"pace": -0.15, "stride": 0.05, "sway": 0.45, "swing": 0.25, "bend": -0.1, "tilt": -0.15, "roll": 0.06,
-        "apart": 0.15, "elbow": 0.25, "twist": 0.45, "bounce": 0.3, "toes": 0.3, "width": 0.3, "nod": -0.1},
+        "apart": 0.15, "elbow": 0.25, "twist": 0.45, "bounce": 0.3, "toes": 0.3, "width": 0.3, "nod": -0.1,
+        "rock": 0.05},
     "energetic": {"pace": 0.3, "stride": 0.12, "swing": 0.5, "bounce": 0.5, "lift": 0.06, "raised": 0.15,
         "elbow": 0.1, "reach": 0.25, "twist": 0.2},
     "elegant": {"pace": -0.15, "stride": 0.02, "bend": -0.16, "nod": -0.12, "width": -0.5, "sway": 0.3, "swing": -0.1,
         "elbow": -0.1, "apart": 0.05, "bounce": -0.3},
     "shy": {"pace": -0.2, "stride": -0.35, "swing": -0.8, "bend": 0.2, "nod": 0.4, "apart": -0.05, "raised": 0.1,
-        "ahead": 0.15, "width": -0.4, "shrug": 0.15, "toes": -0.15, "reach": -0.4},
+        "ahead": 0.15, "width": -0.4, "shrug": 0.15, "toes": -0.15, "reach": -0.4,
+        "splay": -0.1},
+    "tough": {"pace": -0.1, "stride": 0.1, "swing": 0.35, "bend": 0.15, "nod": -0.3, "apart": 0.22, "elbow": 0.5,
+        "shrug": 0.12, "width": 0.7, "toes": 0.4, "splay": 0.35, "rock": 0.14, "twist": 0.6, "sway": 0.3,
+        "bounce": 0.2, "crouch": 0.03, "reach": 0.15, "tilt": -0.1},
+    "musical": {"pace": 0.03, "swing": 0.4, "bounce": 0.8, "pulse": 0.03, "sway": 0.7, "twist": 0.5, "raised": 0.2,
+        "apart": 0.12, "elbow": 0.2, "rock": 0.08, "lift": 0.05, "reach": 0.15, "nod": -0.05, "width": 0.2},
 }  # fmt: skip
 
-_STYLE_ROWS = np.array([[style.get(field, 0.0) for field in _FIELDS] for style in STYLES.values()])
+#: Other ways to act a style, of which a performer chooses one or mixes it in.
+_OTHER_WAYS: dict[str, tuple[dict[str, float], ...]] = {
+    "tired": (
+        {"pace": -0.55, "stride": -0.45, "swing": -1.0, "bend": 0.75, "nod": 0.4, "tilt": 0.12, "crouch": 0.07,
+         "lift": -0.06, "ahead": 0.12, "wander": 0.06, "sway": 0.5, "rock": 0.06, "reach": -0.5, "width": 0.3},
+        {"pace": -0.4, "stride": -0.2, "swing": 0.3, "bend": 0.4, "nod": 0.5, "rock": 0.12, "sway": 0.6,
+         "crouch": 0.04, "wander": 0.08, "lift": -0.05, "reach": -0.3},
+    ),
+    "old": (
+        {"pace": -0.6, "stride": -0.7, "swing": -1.2, "bend": 0.75, "nod": -0.35, "tilt": 0.12, "crouch": 0.1,
+         "lift": -0.06, "width": 0.4, "splay": 0.25, "reach": -0.4, "tremble": 0.005},
+        {"pace": -0.35, "stride": -0.4, "swing": -0.3, "bend": 0.3, "rock": 0.08, "limp": 0.3, "crouch": 0.05,
+         "lift": -0.04, "toes": 0.25, "nod": 0.15, "reach": -0.3},
+    ),
+    "angry": (
+        {"pace": 0.35, "stride": 0.25, "swing": 0.7, "bend": 0.3, "nod": 0.25, "lift": 0.05, "bounce": 0.6,
+         "rock": 0.07, "apart": 0.15, "elbow": 0.6, "shrug": 0.2, "jerk": 0.4, "reach": 0.3, "twist": 0.4},
+        {"pace": 0.2, "stride": 0.1, "swing": -0.7, "bend": 0.1, "nod": 0.3, "shrug": 0.2, "apart": 0.1,
+         "lift": 0.06, "jerk": 0.5, "width": 0.3, "twist": -0.4},
+    ),
+    "happy": (
+        {"pace": 0.15, "stride": 0.1, "swing": 0.9, "bend": -0.15, "nod": -0.2, "bounce": 1.3, "pulse": 0.035,
+         "lift": 0.12, "apart": 0.2, "raised": 0.1, "rock": 0.06, "twist": 0.4, "reach": 0.3},
+        {"pace": 0.05, "swing": 0.3, "bounce": 0.5, "sway": 0.7, "raised": 0.3, "apart": 0.15, "rock": 0.1,
+         "nod": -0.1, "lift": 0.05, "reach": 0.25, "pulse": 0.015},
+    ),
+    "proud": (
+        {"pace": -0.2, "stride": 0.2, "swing": 0.5, "bend": -0.4, "nod": -0.3, "apart": 0.2, "lift": 0.08,
+         "elbow": 0.5, "shrug": -0.08, "twist": 0.4, "rock": 0.05, "reach": 0.15},
+        {"pace": -0.2, "swing": -0.6, "bend": -0.25, "tilt": -0.1, "nod": -0.15, "width": 0.2, "toes": 0.3},
+    ),
+    "sad": (
+        {"pace": -0.55, "stride": -0.5, "swing": -1.4, "bend": 0.5, "nod": 0.8, "lift": -0.06, "crouch": 0.03,
+         "bounce": -0.6, "ahead": 0.1, "reach": -0.6, "sway": 0.2, "shrug": -0.1},
+        {"pace": -0.25, "stride": -0.2, "swing": -0.3, "bend": 0.15, "nod": 0.75, "rock": 0.05, "sway": 0.3,
+         "lift": -0.04, "reach": -0.3},
+    ),
+    "heavy": (
+        {"pace": -0.6, "stride": 0.2, "swing": 0.2, "width": 1.1, "sway": 1.0, "apart": 0.4, "elbow": 0.5,
+         "rock": 0.16, "lift": 0.14, "crouch": 0.05, "bounce": 0.8, "bend": 0.12, "splay": 0.35, "toes": 0.35},
+        {"pace": -0.45, "stride": 0.1, "swing": 0.4, "width": 0.9, "apart": 0.25, "ahead": 0.15, "raised": 0.15,
+         "bend": 0.35, "nod": -0.1, "rock": 0.12, "lift": 0.1, "shrug": 0.15, "splay": 0.3, "crouch": 0.08},
+    ),
+    "feminine": (
+        {"pace": -0.05, "sway": 1.2, "width": -1.2, "swing": 0.4, "apart": 0.15, "elbow": -0.5, "raised": 0.12,
+         "bend": -0.12, "twist": 0.7, "rock": 0.03, "splay": -0.15, "nod": -0.08},
+        {"pace": 0.05, "stride": -0.3, "sway": 0.7, "width": -0.8, "swing": -0.5, "apart": -0.04, "raised": 0.25,
+         "elbow": -0.4, "splay": -0.25, "toes": -0.2, "bounce": 0.3, "lift": 0.03},
+    ),
+    "masculine": (
+        {"pace": -0.15, "stride": 0.25, "swing": 0.5, "width": 0.9, "apart": 0.32, "elbow": 0.6, "shrug": 0.12,
+         "rock": 0.1, "splay": 0.35, "toes": 0.35, "twist": 0.5, "bend": -0.08},
+        {"pace": 0.02, "stride": 0.15, "swing": 0.2, "width": 0.5, "apart": 0.2, "raised": 0.1, "elbow": 0.5,
+         "bend": 0.08, "nod": 0.05, "rock": 0.05, "splay": 0.2},
+    ),
+    "childlike": (
+        {"pace": 0.3, "stride": 0.05, "swing": 1.2, "bounce": 1.5, "pulse": 0.03, "lift": 0.18, "apart": 0.3,
+         "raised": 0.15, "rock": 0.12, "twist": 0.6, "reach": 0.4, "wander": 0.05},
+        {"pace": 0.2, "stride": -0.4, "swing": -0.3, "bounce": 0.5, "lift": 0.06, "apart": 0.4, "rock": 0.15,
+         "width": 0.5, "wander": 0.06, "toes": -0.15, "bend": -0.08},
+    ),
+    "energetic": (
+        {"pace": 0.45, "stride": 0.25, "swing": 0.9, "bounce": 0.9, "lift": 0.12, "raised": 0.2, "apart": 0.1,
+         "twist": 0.5, "bend": -0.05, "reach": 0.35, "pulse": 0.015},
+        {"pace": 0.25, "stride": 0.2, "swing": 0.7, "bend": 0.15, "lift": 0.06, "twist": 0.4, "elbow": 0.3,
+         "raised": 0.25, "bounce": 0.5, "reach": 0.2},
+    ),
+    "shy": (
+        {"pace": -0.35, "stride": -0.6, "swing": -1.5, "bend": 0.4, "nod": 0.5, "apart": -0.08, "raised": 0.3,
+         "ahead": 0.15, "width": -0.6, "shrug": 0.3, "splay": -0.25, "toes": -0.25, "reach": -0.6, "lift": -0.03},
+        {"pace": -0.15, "stride": -0.25, "swing": -1.0, "bend": 0.1, "nod": 0.3, "jerk": 0.3, "wander": 0.05,
+         "apart": -0.06, "twist": -0.5, "reach": -0.4, "crouch": 0.03},
+    ),
+    "tough": (
+        {"pace": -0.2, "stride": 0.15, "swing": -0.2, "bend": 0.4, "nod": -0.35, "apart": 0.1, "elbow": 0.6,
+         "width": 1.0, "splay": 0.5, "toes": 0.5, "rock": 0.22, "twist": 0.3, "crouch": 0.06, "sway": 0.6},
+        {"pace": 0.0, "stride": 0.2, "swing": 0.9, "bend": -0.15, "nod": -0.25, "apart": 0.35, "rock": 0.15,
+         "width": 0.6, "toes": 0.35, "twist": 1.0, "elbow": 0.6, "lift": 0.04},
+    ),
+    "musical": (
+        {"pace": -0.05, "swing": -0.4, "bounce": 1.2, "pulse": 0.05, "sway": 1.1, "raised": 0.5, "ahead": 0.1,
+         "apart": 0.1, "rock": 0.15, "twist": 0.3, "nod": 0.05, "elbow": 0.3},
+        {"pace": 0.1, "stride": 0.1, "swing": 0.9, "bounce": 1.0, "pulse": 0.025, "sway": 0.4, "lift": 0.12,
+         "apart": 0.25, "twist": 0.9, "rock": 0.05, "bend": -0.1},
+    ),
+}  # fmt: skip
+
+
+def _row(changes: dict[str, float]) -> Array:
+    return np.array([changes.get(field, 0.0) for field in _FIELDS])
+
+
+_STYLE_ROWS = np.stack([_row(style) for style in STYLES.values()])
+_OTHER_ROWS = {name: np.stack([_row(way) for way in ways]) for name, ways in _OTHER_WAYS.items()}
 #: How performers differ by themselves, standard deviation by field.
 _INDIVIDUAL = Manner(
     pace=0.12, stride=0.12, swing=0.4, sway=0.35, bounce=0.25, twist=0.35, width=0.3, reach=0.15, bend=0.09, tilt=0.07,
     nod=0.12, roll=0.03, toes=0.12, shrug=0.05, elbow=0.2, apart=0.06, raised=0.06, ahead=0.05, crouch=0.012,
-    lift=0.015, wander=0.008, tremble=0.0005, jerk=0.05, limp=0.04,
+    lift=0.015, wander=0.008, tremble=0.0005, jerk=0.05, limp=0.04, rock=0.025, pulse=0.001, splay=0.06,
 )  # fmt: skip
 _INDIVIDUAL_ROW = np.array([getattr(_INDIVIDUAL, field) for field in _FIELDS])
 
@@ -133,23 +242,96 @@ def sample_manner(style: str, individual: Array, rng: Generator) -> Manner:
     """
     row = individual
     if style:
-        changes = STYLES.get(style) or UNSEEN_STYLES[style]
-        own = np.array([changes.get(field, 0.0) for field in _FIELDS])
-        row = 0.5 * individual + own * rng.uniform(0.6, 1.3) * np.exp(rng.normal(0.0, 0.2, len(_FIELDS)))
-    manner = Manner(**dict(zip(_FIELDS, np.clip(row, -2.0, 2.0).tolist(), strict=True)))
+        own = _acted(style, rng)
+        # Not every performer shows a style by all of its means.
+        means = np.exp(rng.normal(0.0, 0.3, len(_FIELDS))) * np.where(rng.random(len(_FIELDS)) < 0.12, 0.25, 1.0)
+        row = 0.5 * individual + own * _strength(rng) * means
+    row = np.clip(row, _LEAST, _MOST)
+    manner = Manner(**dict(zip(_FIELDS, row.tolist(), strict=True)), carriage=_sample_carriage(style, rng))
     return manner if rng.random() < 0.5 else replace(manner, roll=-manner.roll, limp=-manner.limp)
 
 
-#: How people carry idle hands: in pockets, clasped before the belly, behind the back.
-_CARRIAGES = ((0.06, -0.82, 0.14), (-0.3, -0.72, 0.3), (-0.12, -0.78, -0.25))
+#: No field goes further than these, however strongly a style is acted: at half the pace one still goes somewhere.
+_LEAST, _MOST = np.full(len(_FIELDS), -2.0), np.full(len(_FIELDS), 2.0)
+for _field, _low, _high in (
+    ("pace", -0.8, 0.55), ("stride", -0.8, 0.45), ("bend", -0.5, 1.1), ("nod", -0.7, 1.0), ("tilt", -0.35, 0.35),
+    ("crouch", -0.01, 0.2), ("lift", -0.08, 0.25), ("rock", -0.02, 0.3), ("pulse", 0.0, 0.07), ("splay", -0.4, 0.7),
+    ("apart", -0.12, 0.6), ("shrug", -0.25, 0.5), ("toes", -0.4, 0.8),
+):  # fmt: skip
+    _LEAST[_FIELDS.index(_field)], _MOST[_FIELDS.index(_field)] = _low, _high
 
 
-def carry_idle_hands(curves: Curves, rng: Generator) -> None:
-    """Put hanging hands where some performers carry them all the time, in place."""
-    carriage = np.array(_CARRIAGES[int(rng.integers(len(_CARRIAGES)))])
+def _acted(style: str, rng: Generator) -> Array:
+    """One of the ways to act a style, or two of them mixed."""
+    own = _row(STYLES.get(style) or UNSEEN_STYLES[style])
+    others = _OTHER_ROWS.get(style)
+    if others is None or rng.random() < 0.4:
+        return own
+    return np.asarray(own + rng.uniform(0.4, 1.0) * (others[int(rng.integers(len(others)))] - own))
+
+
+def _strength(rng: Generator) -> float:
+    """Most act a style clearly, some hint at it, some overact it."""
+    return float(rng.uniform(1.2, 1.9) if rng.random() < 0.25 else rng.uniform(0.55, 1.3))
+
+
+#: Where hands are carried: outward, upward, forward of either shoulder in arm lengths (left, right); the elbow's swing.
+CARRIAGES: dict[str, tuple[tuple[tuple[float, float, float], tuple[float, float, float]], float]] = {
+    "pockets": (((0.06, -0.82, 0.14), (0.06, -0.82, 0.14)), 0.4),
+    "clasped": (((-0.3, -0.72, 0.3), (-0.3, -0.72, 0.3)), 0.1),
+    "behind": (((-0.12, -0.78, -0.25), (-0.12, -0.78, -0.25)), 0.1),
+    "hips": (((0.26, -0.62, 0.04), (0.26, -0.62, 0.04)), 0.5),
+    "one hip": (((0.13, -0.96, 0.08), (0.26, -0.62, 0.04)), 0.2),
+    "chest": (((-0.3, -0.3, 0.36), (-0.3, -0.3, 0.36)), -0.1),
+    "folded": (((-0.22, -0.45, 0.34), (-0.3, -0.4, 0.36)), 0.3),
+    "fists": (((0.1, -0.5, 0.45), (0.1, -0.5, 0.45)), 0.2),
+    "wide": (((0.5, -0.8, 0.05), (0.5, -0.8, 0.05)), 0.5),
+    "wings": (((0.55, -0.65, -0.2), (0.55, -0.65, -0.2)), 0.2),
+    "limp": (((0.04, -0.95, 0.25), (0.04, -0.95, 0.25)), 0.0),
+    "light": (((0.4, -0.72, 0.15), (0.4, -0.72, 0.15)), -0.4),
+    "bad back": (((-0.12, -0.7, -0.22), (0.08, -0.88, 0.25)), 0.1),
+    "knee": (((0.0, -0.85, 0.35), (0.1, -0.9, 0.2)), 0.1),
+}
+#: How often performers of a style carry their hands somewhere, and where.
+_CARRIED: dict[str, tuple[float, tuple[str, ...]]] = {
+    "tired": (0.4, ("limp", "limp", "hips", "pockets", "knee")),
+    "old": (0.5, ("behind", "bad back", "limp", "clasped", "knee")),
+    "angry": (0.35, ("fists", "wide", "folded", "hips")),
+    "happy": (0.3, ("light", "wide", "chest", "fists")),
+    "proud": (0.4, ("hips", "behind", "one hip", "wide", "light")),
+    "sad": (0.35, ("limp", "pockets", "clasped", "chest")),
+    "drunk": (0.3, ("wide", "limp", "light")),
+    "heavy": (0.5, ("wide", "wide", "fists", "limp")),
+    "feminine": (0.45, ("light", "one hip", "chest", "hips", "clasped")),
+    "masculine": (0.4, ("wide", "wide", "fists", "pockets", "hips")),
+    "childlike": (0.35, ("wide", "wings", "behind", "light")),
+    "scared": (0.4, ("chest", "fists", "clasped")),
+    "shy": (0.55, ("clasped", "chest", "clasped", "behind", "pockets", "folded")),
+    "confident": (0.2, ("hips", "pockets", "light")),
+    "relaxed": (0.35, ("pockets", "behind", "limp")),
+    "cool": (0.4, ("pockets", "pockets", "wide", "one hip")),
+    "energetic": (0.25, ("fists", "wide")),
+    "elegant": (0.3, ("clasped", "behind", "light")),
+    "tough": (0.5, ("pockets", "wide", "wide", "hips", "fists")),
+    "musical": (0.35, ("fists", "light", "wide", "hips")),
+}
+
+
+def _sample_carriage(style: str, rng: Generator) -> str:
+    chance, places = _CARRIED.get(style, (0.03, ("pockets", "clasped", "behind", "hips", "folded")))
+    return places[int(rng.integers(len(places)))] if rng.random() < chance else ""
+
+
+def carry_idle_hands(curves: Curves, rng: Generator, carriage: str = "") -> None:
+    """Put hanging hands where some performers carry them all the time, in place; by chance where nothing is named."""
+    where = carriage or ("pockets", "clasped", "behind")[int(rng.integers(3))]
+    places, elbow = CARRIAGES[where]
     idle = np.clip((-0.6 - curves.hands[..., 1]) / 0.2, 0.0, 1.0) * (1.0 - curves.reach_weight)
-    weight = rng.uniform(0.7, 1.0) * idle.min(axis=1)[:, None, None]
-    curves.hands[:] += (carriage - curves.hands) * weight
+    weight = rng.uniform(0.65, 1.0) * (idle if where in ("wide", "limp", "light") else idle.min(axis=1)[:, None])
+    hands = np.array(places if rng.random() < 0.5 else places[::-1])
+    curves.hands[:] += (hands - curves.hands) * weight[..., None]
+    if carriage:
+        curves.elbow[:] += elbow * weight
 
 
 def _pulse(frames: int, rng: Generator, knots_per_second: float) -> Array:
@@ -169,6 +351,12 @@ def apply_manner(curves: Curves, manner: Manner, rng: Generator) -> None:
     curves.foot_yaw[:] += np.array([manner.toes, -manner.toes])
     curves.shrug[:] += manner.shrug
     curves.elbow[:] += manner.elbow
+    curves.knee[:] += np.array([manner.splay, -manner.splay])
+    _plant_wide(curves, manner)
+    if manner.pulse > 0.004:
+        _bounce_to_a_beat(curves, manner, rng)
+    if manner.carriage:
+        carry_idle_hands(curves, rng, manner.carriage)
     # Arms that are busy (raised, or holding on in the world) keep their place the more.
     busy = np.clip((curves.hands[..., 1] + 0.9) / 0.5, 0.0, 1.0)
     idle = (1.0 - busy) * (1.0 - curves.reach_weight)
@@ -179,3 +367,28 @@ def apply_manner(curves: Curves, manner: Manner, rng: Generator) -> None:
         curves.root[:, 0] += 0.4 * manner.wander * _pulse(frames, rng, 1.0)
         curves.spine[:, 1] += 1.2 * manner.wander * _pulse(frames, rng, 0.8)
         curves.spine[:, 0] += 1.0 * manner.wander * _pulse(frames, rng, 0.8)
+
+
+def _plant_wide(curves: Curves, manner: Manner) -> None:
+    """Who walks with the feet wide apart stands so, too."""
+    feet = curves.feet
+    if np.ptp(feet, axis=0).max() > 0.02 or curves.root[:, 1].min() < 0.7 or np.ptp(curves.heading) > 0.2:
+        return
+    out = 0.06 * float(np.clip(manner.width, -1.0, 1.6))
+    aside = np.array([np.cos(curves.heading[0]), 0.0, -np.sin(curves.heading[0])])
+    feet[:, 0] += out * aside
+    feet[:, 1] -= out * aside
+
+
+def _bounce_to_a_beat(curves: Curves, manner: Manner, rng: Generator) -> None:
+    """Knees give, head nods and trunk sways to a beat where the feet stay; steps have a beat of their own."""
+    pace = np.abs(np.diff(curves.root[:, [0, 2]], axis=0, prepend=curves.root[:1, [0, 2]])).sum(1) * FPS
+    still = np.clip(1.0 - pace / 0.4, 0.0, 1.0)
+    beat = 2 * np.pi * (rng.uniform(1.4, 2.2) * np.arange(len(curves)) / FPS + rng.random())
+    give = still * 0.5 * (1.0 - np.cos(beat))
+    curves.root[:, 1] -= 1.3 * manner.pulse * give
+    curves.head[:, 0] += 5.0 * manner.pulse * give
+    sway = still * manner.pulse * np.sin(beat / 2)
+    curves.spine[:, 1] += 2.5 * sway
+    curves.root[:, 0] += 0.7 * sway * np.cos(curves.heading)
+    curves.root[:, 2] -= 0.7 * sway * np.sin(curves.heading)
