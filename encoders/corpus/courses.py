@@ -108,7 +108,7 @@ def travel(
     stride = manner.factor("stride") * {"small": 0.65, "": 1.0, "large": 1.3}[step.amplitude]
     still = step.direction == "in place"
     sideways = {"left": 0.8, "right": 0.8}.get(step.direction, 0.7 if step.direction.startswith("back") else 1.0)
-    sideways *= rng.uniform(0.75, 1.1) if sideways < 1 else 1.0
+    sideways *= rng.uniform(0.65, 1.3) if sideways < 1 else 1.0
     fastest = 1.9 if gait.duty > 0.5 else 7.0
     speed = gait.speed * pace * manner.factor("pace") * stride * sideways
     speed = min(speed, fastest)
@@ -125,13 +125,16 @@ def travel(
     reach = 0.66 if gait.duty < 0.5 else 0.95
     duty = min(gait.duty, max(reach * pace_of_feet / 2 / max(speed, 0.1), 0.52 if gait.duty > 0.5 else 0.2))
     phase = gait_phase(pace_of_feet * (0.75 + 0.25 * going), rng.random(), manner)
+    backing = max(-float(np.cos(angle)), 0.0)
     course = Course(integrate(0.0 * way if still else way, facing + angle), facing - facing[PAD], going, phase)
     changed = replace(
         gait,
         speed=speed,
         duty=duty,
         arms=gait.arms * float(np.clip(stride * pace, 0.4, 1.4)),
-        push=gait.push * (0.3 if still else max(float(np.cos(angle)), 0.15)),
+        push=gait.push * (0.3 if still else max(float(np.cos(angle)), 0.15 + 0.15 * backing)),
+        behind=gait.behind - 0.06 * backing,
+        lean=gait.lean + backing * rng.normal(0.06, 0.1),
     )
     return course, _aside(changed, float(np.sin(angle)), speed / max(pace_of_feet, 0.5), rng)
 
@@ -174,14 +177,19 @@ def go(step: Step, gait: Gait, manner: Manner, rng: Generator, frames: int = 0) 
     twisted = rng.normal(0.0, 0.05)
     curves.pelvis[:, 2] -= twisted
     curves.spine[:, 2] += 1.5 * twisted
-    if rng.random() < 0.4:  # looks where it goes
-        _look_along(curves, rng.uniform(0.1, 0.6))
+    _turn_along(curves, rng)
     return curves
 
 
-def _look_along(curves: Curves, share: float) -> None:
-    """Turn the head by a share towards the way, where the body goes aside."""
+def _turn_along(curves: Curves, rng: Generator) -> None:
+    """Where the body goes aside, head and hips turn to the way by some share of it, toes with the hips."""
+    head = rng.uniform(0.1, 0.6) * (rng.random() < 0.4)
+    hips = rng.uniform(0.05, 0.3) * (rng.random() < 0.5)
     way = curves.root[-1, [0, 2]] - curves.root[0, [0, 2]]
     aside = np.angle(np.exp(1j * (np.arctan2(way[0], way[1]) - curves.heading.mean())))
     if np.hypot(*way) > 0.5 and np.ptp(curves.heading) < 0.5 and 0.3 < abs(aside) < 2.0:
-        curves.head[:, 2] += share * aside * hold(len(curves), 0.15, 0.1)
+        curves.head[:, 2] += head * aside * hold(len(curves), 0.15, 0.1)
+        turned = hips * np.clip(aside, -0.9, 0.9) * hold(len(curves), 0.15, 0.15)
+        curves.pelvis[:, 2] += turned
+        curves.spine[:, 2] -= turned
+        curves.foot_yaw[:] += turned[:, None]

@@ -74,9 +74,9 @@ class Gait:
     bob: float = 0.008
     push: float = 0.75
     tiptoe: float = 0.0
-    lean: float = 0.03
+    lean: float = 0.05
     arms: float = 0.16
-    elbow: float = 0.4
+    elbow: float = 0.34
     twist: float = 0.055
     yaw: float = 1.7
     behind: float = 0.0
@@ -223,8 +223,8 @@ def _hips(curves: Curves, course: Course, gait: Gait, manner: Manner, middle: Ar
     surge *= -np.sin(2 * middle)[:, None]
     curves.root[:, 0] = course.root[keep, 0] + sway * np.cos(facing) + surge[:, 0]
     curves.root[:, 2] = course.root[keep, 1] - sway * np.sin(facing) + surge[:, 1]
-    bob = gait.bob * float(np.clip(manner.factor("bounce"), 0.2, 2.5)) + 0.018 * max(manner.bounce - 0.25, 0.0)
-    bob = (-bob if gait.duty < 0.5 else bob) + manner.pulse
+    bob = gait.bob * float(np.clip(manner.factor("bounce"), 0.2, 2.5)) + 0.011 * max(manner.bounce - 0.2, 0.0)
+    bob = (-bob if gait.duty < 0.5 else bob) + 0.4 * manner.pulse
     level = smooth_level(course.level, len(course.phase))[keep]
     # A spared leg makes the body sink and lean while it stands.
     curves.root[:, 1] = STAND + level - gait.crouch + 0.12 * np.sin(gait.tiptoe)

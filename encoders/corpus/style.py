@@ -292,6 +292,8 @@ CARRIAGES: dict[str, tuple[tuple[tuple[float, float, float], tuple[float, float,
     "bad back": (((-0.12, -0.7, -0.22), (0.08, -0.88, 0.25)), 0.1),
     "knee": (((0.0, -0.85, 0.35), (0.1, -0.9, 0.2)), 0.1),
 }
+#: Carriages in which the hands meet, so that both are needed.
+_TOGETHER = frozenset({"clasped", "behind", "chest", "folded"})
 #: How often performers of a style carry their hands somewhere, and where.
 _CARRIED: dict[str, tuple[float, tuple[str, ...]]] = {
     "tired": (0.4, ("limp", "limp", "hips", "pockets", "knee")),
@@ -327,7 +329,11 @@ def carry_idle_hands(curves: Curves, rng: Generator, carriage: str = "") -> None
     where = carriage or ("pockets", "clasped", "behind")[int(rng.integers(3))]
     places, elbow = CARRIAGES[where]
     idle = np.clip((-0.6 - curves.hands[..., 1]) / 0.2, 0.0, 1.0) * (1.0 - curves.reach_weight)
-    weight = rng.uniform(0.65, 1.0) * (idle if where in ("wide", "limp", "light") else idle.min(axis=1)[:, None])
+    if carriage:  # an arm that does anything but hang and swing keeps to that
+        length = np.linalg.norm(curves.hands, axis=-1).min(axis=0)
+        idle *= np.clip((length - 0.8) / 0.08, 0.0, 1.0) * (curves.hands[..., 1].max(axis=0) < -0.5)
+    together = where in _TOGETHER
+    weight = rng.uniform(0.65, 1.0) * (idle.min(axis=1)[:, None] if together else idle)
     hands = np.array(places if rng.random() < 0.5 else places[::-1])
     curves.hands[:] += (hands - curves.hands) * weight[..., None]
     if carriage:
@@ -360,7 +366,8 @@ def apply_manner(curves: Curves, manner: Manner, rng: Generator) -> None:
     # Arms that are busy (raised, or holding on in the world) keep their place the more.
     busy = np.clip((curves.hands[..., 1] + 0.9) / 0.5, 0.0, 1.0)
     idle = (1.0 - busy) * (1.0 - curves.reach_weight)
-    curves.hands[..., 0] += manner.apart * (0.25 + 0.75 * idle)
+    carried = 0.3 if manner.carriage else 1.0
+    curves.hands[..., 0] += carried * manner.apart * (0.25 + 0.75 * idle)
     curves.hands[..., 1] += max(manner.raised, -0.04) * idle
     curves.hands[..., 2] += (manner.ahead + 0.6 * max(manner.raised, 0.0)) * idle
     if manner.wander > 0.01:
@@ -374,7 +381,7 @@ def _plant_wide(curves: Curves, manner: Manner) -> None:
     feet = curves.feet
     if np.ptp(feet, axis=0).max() > 0.02 or curves.root[:, 1].min() < 0.7 or np.ptp(curves.heading) > 0.2:
         return
-    out = 0.06 * float(np.clip(manner.width, -1.0, 1.6))
+    out = 0.045 * float(np.clip(manner.width, -1.0, 1.6))
     aside = np.array([np.cos(curves.heading[0]), 0.0, -np.sin(curves.heading[0])])
     feet[:, 0] += out * aside
     feet[:, 1] -= out * aside
