@@ -9,13 +9,14 @@ import numpy as np
 from numpy.random import Generator
 
 from encoders.corpus.body import pose, random_geometry
+from encoders.corpus.carriage import carry_idle_hands
 from encoders.corpus.curves import CHANNELS, Array, Curves
 from encoders.corpus.ends import begin_and_end
 from encoders.corpus.joining import at_rest, chain, overlay, pause, roam
 from encoders.corpus.programs import parts_of, program_of
 from encoders.corpus.scene import Clip, Scene, Step
 from encoders.corpus.stance import Stance, sample_stance, stand
-from encoders.corpus.style import apply_manner, carry_idle_hands, sample_individual, sample_manner
+from encoders.corpus.style import apply_manner, sample_individual, sample_manner
 from encoders.motion import FPS
 
 

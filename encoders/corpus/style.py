@@ -7,8 +7,10 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.random import Generator
 
+from encoders.corpus.carriage import carry_idle_hands, sample_carriage
 from encoders.corpus.curves import Array, Curves
 from encoders.corpus.unseen.styles import STYLES as UNSEEN_STYLES
+from encoders.corpus.ways import OTHER_WAYS
 from encoders.motion import FPS
 
 
@@ -50,7 +52,7 @@ class Manner:
     pulse: float = 0.0  # hips and head bounce to a beat, metres
     splay: float = 0.0  # knees outward, radians
 
-    carriage: str = ""  # where idle hands are carried, a name of `CARRIAGES`
+    carriage: str = ""  # where idle hands are carried, a name of `encoders.corpus.carriage.CARRIAGES`
 
     def factor(self, field: str) -> float:
         """Factor of a logarithmic field, e.g. ``manner.factor("pace")``."""
@@ -119,100 +121,13 @@ STYLES: dict[str, dict[str, float]] = {
         "apart": 0.12, "elbow": 0.2, "rock": 0.08, "lift": 0.05, "reach": 0.15, "nod": -0.05, "width": 0.2},
 }  # fmt: skip
 
-#: Other ways to act a style, of which a performer chooses one or mixes it in.
-_OTHER_WAYS: dict[str, tuple[dict[str, float], ...]] = {
-    "tired": (
-        {"pace": -0.55, "stride": -0.45, "swing": -1.0, "bend": 0.75, "nod": 0.4, "tilt": 0.12, "crouch": 0.07,
-         "lift": -0.06, "ahead": 0.12, "wander": 0.06, "sway": 0.5, "rock": 0.06, "reach": -0.5, "width": 0.3},
-        {"pace": -0.4, "stride": -0.2, "swing": 0.3, "bend": 0.4, "nod": 0.5, "rock": 0.12, "sway": 0.6,
-         "crouch": 0.04, "wander": 0.08, "lift": -0.05, "reach": -0.3},
-    ),
-    "old": (
-        {"pace": -0.6, "stride": -0.7, "swing": -1.2, "bend": 0.75, "nod": -0.35, "tilt": 0.12, "crouch": 0.1,
-         "lift": -0.06, "width": 0.4, "splay": 0.25, "reach": -0.4, "tremble": 0.005},
-        {"pace": -0.35, "stride": -0.4, "swing": -0.3, "bend": 0.3, "rock": 0.08, "limp": 0.3, "crouch": 0.05,
-         "lift": -0.04, "toes": 0.25, "nod": 0.15, "reach": -0.3},
-    ),
-    "angry": (
-        {"pace": 0.35, "stride": 0.25, "swing": 0.7, "bend": 0.3, "nod": 0.25, "lift": 0.05, "bounce": 0.6,
-         "rock": 0.07, "apart": 0.15, "elbow": 0.6, "shrug": 0.2, "jerk": 0.4, "reach": 0.3, "twist": 0.4},
-        {"pace": 0.2, "stride": 0.1, "swing": -0.7, "bend": 0.1, "nod": 0.3, "shrug": 0.2, "apart": 0.1,
-         "lift": 0.06, "jerk": 0.5, "width": 0.3, "twist": -0.4},
-    ),
-    "happy": (
-        {"pace": 0.15, "stride": 0.1, "swing": 0.9, "bend": -0.15, "nod": -0.2, "bounce": 1.3, "pulse": 0.035,
-         "lift": 0.12, "apart": 0.2, "raised": 0.1, "rock": 0.06, "twist": 0.4, "reach": 0.3},
-        {"pace": 0.05, "swing": 0.3, "bounce": 0.5, "sway": 0.7, "raised": 0.3, "apart": 0.15, "rock": 0.1,
-         "nod": -0.1, "lift": 0.05, "reach": 0.25, "pulse": 0.015},
-    ),
-    "proud": (
-        {"pace": -0.2, "stride": 0.2, "swing": 0.5, "bend": -0.4, "nod": -0.3, "apart": 0.2, "lift": 0.08,
-         "elbow": 0.5, "shrug": -0.08, "twist": 0.4, "rock": 0.05, "reach": 0.15},
-        {"pace": -0.2, "swing": -0.6, "bend": -0.25, "tilt": -0.1, "nod": -0.15, "width": 0.2, "toes": 0.3},
-    ),
-    "sad": (
-        {"pace": -0.55, "stride": -0.5, "swing": -1.4, "bend": 0.5, "nod": 0.8, "lift": -0.06, "crouch": 0.03,
-         "bounce": -0.6, "ahead": 0.1, "reach": -0.6, "sway": 0.2, "shrug": -0.1},
-        {"pace": -0.25, "stride": -0.2, "swing": -0.3, "bend": 0.15, "nod": 0.75, "rock": 0.05, "sway": 0.3,
-         "lift": -0.04, "reach": -0.3},
-    ),
-    "heavy": (
-        {"pace": -0.6, "stride": 0.2, "swing": 0.2, "width": 1.1, "sway": 1.0, "apart": 0.4, "elbow": 0.5,
-         "rock": 0.16, "lift": 0.14, "crouch": 0.05, "bounce": 0.8, "bend": 0.12, "splay": 0.35, "toes": 0.35},
-        {"pace": -0.45, "stride": 0.1, "swing": 0.4, "width": 0.9, "apart": 0.25, "ahead": 0.15, "raised": 0.15,
-         "bend": 0.35, "nod": -0.1, "rock": 0.12, "lift": 0.1, "shrug": 0.15, "splay": 0.3, "crouch": 0.08},
-    ),
-    "feminine": (
-        {"pace": -0.05, "sway": 1.2, "width": -1.2, "swing": 0.4, "apart": 0.15, "elbow": -0.5, "raised": 0.12,
-         "bend": -0.12, "twist": 0.7, "rock": 0.03, "splay": -0.15, "nod": -0.08},
-        {"pace": 0.05, "stride": -0.3, "sway": 0.7, "width": -0.8, "swing": -0.5, "apart": -0.04, "raised": 0.25,
-         "elbow": -0.4, "splay": -0.25, "toes": -0.2, "bounce": 0.3, "lift": 0.03},
-    ),
-    "masculine": (
-        {"pace": -0.15, "stride": 0.25, "swing": 0.5, "width": 0.9, "apart": 0.32, "elbow": 0.6, "shrug": 0.12,
-         "rock": 0.1, "splay": 0.35, "toes": 0.35, "twist": 0.5, "bend": -0.08},
-        {"pace": 0.02, "stride": 0.15, "swing": 0.2, "width": 0.5, "apart": 0.2, "raised": 0.1, "elbow": 0.5,
-         "bend": 0.08, "nod": 0.05, "rock": 0.05, "splay": 0.2},
-    ),
-    "childlike": (
-        {"pace": 0.3, "stride": 0.05, "swing": 1.2, "bounce": 1.5, "pulse": 0.03, "lift": 0.18, "apart": 0.3,
-         "raised": 0.15, "rock": 0.12, "twist": 0.6, "reach": 0.4, "wander": 0.05},
-        {"pace": 0.2, "stride": -0.4, "swing": -0.3, "bounce": 0.5, "lift": 0.06, "apart": 0.4, "rock": 0.15,
-         "width": 0.5, "wander": 0.06, "toes": -0.15, "bend": -0.08},
-    ),
-    "energetic": (
-        {"pace": 0.45, "stride": 0.25, "swing": 0.9, "bounce": 0.9, "lift": 0.12, "raised": 0.2, "apart": 0.1,
-         "twist": 0.5, "bend": -0.05, "reach": 0.35, "pulse": 0.015},
-        {"pace": 0.25, "stride": 0.2, "swing": 0.7, "bend": 0.15, "lift": 0.06, "twist": 0.4, "elbow": 0.3,
-         "raised": 0.25, "bounce": 0.5, "reach": 0.2},
-    ),
-    "shy": (
-        {"pace": -0.35, "stride": -0.6, "swing": -1.5, "bend": 0.4, "nod": 0.5, "apart": -0.08, "raised": 0.3,
-         "ahead": 0.15, "width": -0.6, "shrug": 0.3, "splay": -0.25, "toes": -0.25, "reach": -0.6, "lift": -0.03},
-        {"pace": -0.15, "stride": -0.25, "swing": -1.0, "bend": 0.1, "nod": 0.3, "jerk": 0.3, "wander": 0.05,
-         "apart": -0.06, "twist": -0.5, "reach": -0.4, "crouch": 0.03},
-    ),
-    "tough": (
-        {"pace": -0.2, "stride": 0.15, "swing": -0.2, "bend": 0.4, "nod": -0.35, "apart": 0.1, "elbow": 0.6,
-         "width": 1.0, "splay": 0.5, "toes": 0.5, "rock": 0.22, "twist": 0.3, "crouch": 0.06, "sway": 0.6},
-        {"pace": 0.0, "stride": 0.2, "swing": 0.9, "bend": -0.15, "nod": -0.25, "apart": 0.35, "rock": 0.15,
-         "width": 0.6, "toes": 0.35, "twist": 1.0, "elbow": 0.6, "lift": 0.04},
-    ),
-    "musical": (
-        {"pace": -0.05, "swing": -0.4, "bounce": 1.2, "pulse": 0.05, "sway": 1.1, "raised": 0.5, "ahead": 0.1,
-         "apart": 0.1, "rock": 0.15, "twist": 0.3, "nod": 0.05, "elbow": 0.3},
-        {"pace": 0.1, "stride": 0.1, "swing": 0.9, "bounce": 1.0, "pulse": 0.025, "sway": 0.4, "lift": 0.12,
-         "apart": 0.25, "twist": 0.9, "rock": 0.05, "bend": -0.1},
-    ),
-}  # fmt: skip
-
 
 def _row(changes: dict[str, float]) -> Array:
     return np.array([changes.get(field, 0.0) for field in _FIELDS])
 
 
 _STYLE_ROWS = np.stack([_row(style) for style in STYLES.values()])
-_OTHER_ROWS = {name: np.stack([_row(way) for way in ways]) for name, ways in _OTHER_WAYS.items()}
+_OTHER_ROWS = {name: np.stack([_row(way) for way in ways]) for name, ways in OTHER_WAYS.items()}
 #: How performers differ by themselves, standard deviation by field.
 _INDIVIDUAL = Manner(
     pace=0.12, stride=0.12, swing=0.4, sway=0.35, bounce=0.25, twist=0.35, width=0.3, reach=0.15, bend=0.09, tilt=0.07,
@@ -247,7 +162,7 @@ def sample_manner(style: str, individual: Array, rng: Generator) -> Manner:
         means = np.exp(rng.normal(0.0, 0.3, len(_FIELDS))) * np.where(rng.random(len(_FIELDS)) < 0.12, 0.25, 1.0)
         row = 0.5 * individual + own * _strength(rng) * means
     row = np.clip(row, _LEAST, _MOST)
-    manner = Manner(**dict(zip(_FIELDS, row.tolist(), strict=True)), carriage=_sample_carriage(style, rng))
+    manner = Manner(**dict(zip(_FIELDS, row.tolist(), strict=True)), carriage=sample_carriage(style, rng))
     return manner if rng.random() < 0.5 else replace(manner, roll=-manner.roll, limp=-manner.limp)
 
 
@@ -275,71 +190,6 @@ def _strength(rng: Generator) -> float:
     return float(rng.uniform(1.2, 1.9) if rng.random() < 0.25 else rng.uniform(0.55, 1.3))
 
 
-#: Where hands are carried: outward, upward, forward of either shoulder in arm lengths (left, right); the elbow's swing.
-CARRIAGES: dict[str, tuple[tuple[tuple[float, float, float], tuple[float, float, float]], float]] = {
-    "pockets": (((0.06, -0.82, 0.14), (0.06, -0.82, 0.14)), 0.4),
-    "clasped": (((-0.3, -0.72, 0.3), (-0.3, -0.72, 0.3)), 0.1),
-    "behind": (((-0.12, -0.78, -0.25), (-0.12, -0.78, -0.25)), 0.1),
-    "hips": (((0.26, -0.62, 0.04), (0.26, -0.62, 0.04)), 0.5),
-    "one hip": (((0.13, -0.96, 0.08), (0.26, -0.62, 0.04)), 0.2),
-    "chest": (((-0.3, -0.3, 0.36), (-0.3, -0.3, 0.36)), -0.1),
-    "folded": (((-0.22, -0.45, 0.34), (-0.3, -0.4, 0.36)), 0.3),
-    "fists": (((0.1, -0.5, 0.45), (0.1, -0.5, 0.45)), 0.2),
-    "wide": (((0.5, -0.8, 0.05), (0.5, -0.8, 0.05)), 0.5),
-    "wings": (((0.55, -0.65, -0.2), (0.55, -0.65, -0.2)), 0.2),
-    "limp": (((0.04, -0.95, 0.25), (0.04, -0.95, 0.25)), 0.0),
-    "light": (((0.4, -0.72, 0.15), (0.4, -0.72, 0.15)), -0.4),
-    "bad back": (((-0.12, -0.7, -0.22), (0.08, -0.88, 0.25)), 0.1),
-    "knee": (((0.0, -0.85, 0.35), (0.1, -0.9, 0.2)), 0.1),
-}
-#: Carriages in which the hands meet, so that both are needed.
-_TOGETHER = frozenset({"clasped", "behind", "chest", "folded"})
-#: How often performers of a style carry their hands somewhere, and where.
-_CARRIED: dict[str, tuple[float, tuple[str, ...]]] = {
-    "tired": (0.4, ("limp", "limp", "hips", "pockets", "knee")),
-    "old": (0.5, ("behind", "bad back", "limp", "clasped", "knee")),
-    "angry": (0.35, ("fists", "wide", "folded", "hips")),
-    "happy": (0.3, ("light", "wide", "chest", "fists")),
-    "proud": (0.4, ("hips", "behind", "one hip", "wide", "light")),
-    "sad": (0.35, ("limp", "pockets", "clasped", "chest")),
-    "drunk": (0.3, ("wide", "limp", "light")),
-    "heavy": (0.5, ("wide", "wide", "fists", "limp")),
-    "feminine": (0.45, ("light", "one hip", "chest", "hips", "clasped")),
-    "masculine": (0.4, ("wide", "wide", "fists", "pockets", "hips")),
-    "childlike": (0.35, ("wide", "wings", "behind", "light")),
-    "scared": (0.4, ("chest", "fists", "clasped")),
-    "shy": (0.55, ("clasped", "chest", "clasped", "behind", "pockets", "folded")),
-    "confident": (0.2, ("hips", "pockets", "light")),
-    "relaxed": (0.35, ("pockets", "behind", "limp")),
-    "cool": (0.4, ("pockets", "pockets", "wide", "one hip")),
-    "energetic": (0.25, ("fists", "wide")),
-    "elegant": (0.3, ("clasped", "behind", "light")),
-    "tough": (0.5, ("pockets", "wide", "wide", "hips", "fists")),
-    "musical": (0.35, ("fists", "light", "wide", "hips")),
-}
-
-
-def _sample_carriage(style: str, rng: Generator) -> str:
-    chance, places = _CARRIED.get(style, (0.03, ("pockets", "clasped", "behind", "hips", "folded")))
-    return places[int(rng.integers(len(places)))] if rng.random() < chance else ""
-
-
-def carry_idle_hands(curves: Curves, rng: Generator, carriage: str = "") -> None:
-    """Put hanging hands where some performers carry them all the time, in place; by chance where nothing is named."""
-    where = carriage or ("pockets", "clasped", "behind")[int(rng.integers(3))]
-    places, elbow = CARRIAGES[where]
-    idle = np.clip((-0.6 - curves.hands[..., 1]) / 0.2, 0.0, 1.0) * (1.0 - curves.reach_weight)
-    if carriage:  # an arm that does anything but hang and swing keeps to that
-        length = np.linalg.norm(curves.hands, axis=-1).min(axis=0)
-        idle *= np.clip((length - 0.8) / 0.08, 0.0, 1.0) * (curves.hands[..., 1].max(axis=0) < -0.5)
-    together = where in _TOGETHER
-    weight = rng.uniform(0.65, 1.0) * (idle.min(axis=1)[:, None] if together else idle)
-    hands = np.array(places if rng.random() < 0.5 else places[::-1])
-    curves.hands[:] += (hands - curves.hands) * weight[..., None]
-    if carriage:
-        curves.elbow[:] += elbow * weight
-
-
 def _pulse(frames: int, rng: Generator, knots_per_second: float) -> Array:
     """Smooth random curve (F,) of unit variance."""
     count = max(int(frames / 20 * knots_per_second) + 3, 4)
@@ -359,7 +209,7 @@ def apply_manner(curves: Curves, manner: Manner, rng: Generator) -> None:
     curves.elbow[:] += manner.elbow
     curves.knee[:] += np.array([manner.splay, -manner.splay])
     _plant_wide(curves, manner)
-    if manner.pulse > 0.004:
+    if manner.pulse > 0.004 or manner.rock > 0.05:
         _bounce_to_a_beat(curves, manner, rng)
     if manner.carriage:
         carry_idle_hands(curves, rng, manner.carriage)
@@ -395,7 +245,7 @@ def _bounce_to_a_beat(curves: Curves, manner: Manner, rng: Generator) -> None:
     give = still * 0.5 * (1.0 - np.cos(beat))
     curves.root[:, 1] -= 1.3 * manner.pulse * give
     curves.head[:, 0] += 5.0 * manner.pulse * give
-    sway = still * manner.pulse * np.sin(beat / 2)
+    sway = still * (manner.pulse + 0.12 * max(manner.rock, 0.0)) * np.sin(beat / 2)
     curves.spine[:, 1] += 2.5 * sway
     curves.root[:, 0] += 0.7 * sway * np.cos(curves.heading)
     curves.root[:, 2] -= 0.7 * sway * np.sin(curves.heading)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, replace
+
 import numpy as np
 import pytest
 
 from encoders.corpus.body import OFFSETS, pose, random_geometry
+from encoders.corpus.carriage import CARRIAGES
 from encoders.corpus.compose import act_scene, compatible, make_clip
 from encoders.corpus.curves import ANKLE, HANGING, STAND, Curves, standing
 from encoders.corpus.joining import join
 from encoders.corpus.programs import parts_of, program, programs, sample_step
 from encoders.corpus.scene import Clip, Scene, Step
-from encoders.corpus.style import NEUTRAL, STYLES
+from encoders.corpus.style import NEUTRAL, STYLES, apply_manner
+from encoders.corpus.ways import OTHER_WAYS
 from encoders.motion import Motion
 from encoders.skeleton import INDEX, PARENTS
 
@@ -271,6 +275,50 @@ def test_styles_change_the_body(style: str, measure: str, sign: int) -> None:
 
     assert sign * (measured(style) - measured("")) > 0
     assert style in STYLES
+
+
+def test_other_ways_to_act_a_style_are_of_styles_that_exist_and_say_manner_fields() -> None:
+    assert set(OTHER_WAYS) <= set(STYLES)
+    named = {field.name for field in fields(NEUTRAL)}
+    assert all(set(way) <= named for ways in OTHER_WAYS.values() for way in ways)
+
+
+@pytest.mark.parametrize(("action", "style", "sign"), [
+    ("stand", "old", 1), ("wave", "tired", 1), ("point", "proud", -1), ("guide", "sad", 1),
+])  # fmt: skip
+def test_styles_change_gestures_and_standing_too(action: str, style: str, sign: int) -> None:
+    def bend(name: str) -> float:
+        scene = Scene(((Step(action, style=name),),))
+        return float(np.mean([act_scene(scene, np.random.default_rng(s)).spine[:, 0].mean() for s in range(12)]))
+
+    assert sign * (bend(style) - bend("")) > 0.1
+
+
+@pytest.mark.parametrize("carriage", sorted(CARRIAGES))
+def test_idle_hands_are_carried_but_not_the_hand_that_acts(carriage: str) -> None:
+    manner = replace(NEUTRAL, carriage=carriage)
+    idle, waving = standing(40), standing(40)
+    waving.hands[10:30, 0] = (0.2, 0.4, 0.3)
+    for curves in (idle, waving):
+        apply_manner(curves, manner, np.random.default_rng(0))
+    assert np.abs(idle.hands - np.array(HANGING)).max() > 0.05
+    np.testing.assert_allclose(waving.hands[10:30, 0], np.broadcast_to((0.2, 0.4, 0.3), (20, 3)))
+
+
+def test_who_walks_ahead_is_a_little_askew_and_diagonals_stay_apart() -> None:
+    def aside(direction: str) -> np.ndarray:
+        found = []
+        for seed in range(40):
+            curves = act(Step("walk", direction=direction), seed, 80)
+            way = curves.root[-1, [0, 2]] - curves.root[0, [0, 2]]
+            if np.ptp(curves.heading) < 0.3:  # the others turn to where they go
+                found.append(np.degrees(np.arctan2(way[0], way[1]) - curves.heading.mean()))
+        return np.array(found)
+
+    ahead, diagonal = aside("forward"), aside("forward-left")
+    assert np.std(ahead) > 2
+    assert np.abs(ahead).max() < 18
+    assert 20 < diagonal.min() < diagonal.max() < 70
 
 
 def test_bodies_and_performers_differ() -> None:
