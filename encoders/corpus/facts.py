@@ -7,7 +7,7 @@ pair is no negative for contrastive training; "walks left" against "walks right"
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from itertools import combinations, product
 
 import numpy as np
@@ -23,6 +23,14 @@ _KINDS_OF = {
     "get pushed": "stumble", "hop": "jump", "leap": "jump",
     "spin jump": "jump", "jump over": "jump", "hurdle": "jump", "army crawl": "crawl", "pivot": "turn",
 }  # fmt: skip
+#: Kinds that people seldom tell apart from what they are a kind of.
+_HARDLY_TOLD = {"jog"}
+#: Directions that are said of one another: who walks left while looking ahead mostly goes ahead, too.
+_ALSO_CALLED = {
+    "left": ("forward-left",), "right": ("forward-right",), "forward-left": ("left",), "forward-right": ("right",),
+    "backward-left": ("backward",), "backward-right": ("backward",),
+}  # fmt: skip
+_AHEAD = "direction=forward"
 _PARTICULARS = tuple(f.name for f in fields(Step) if f.name != "action")
 
 
@@ -42,20 +50,65 @@ def facts(scene: Scene) -> frozenset[str]:
 
 def _names(step: Step) -> tuple[str, ...]:
     """The action, and what else whoever does it is doing."""
+    if step.action == "run" and step.speed == "fast":
+        return ("run", "sprint")
     return (step.action, *filter(None, [_KINDS_OF.get(step.action)]))
 
 
 def _named(action: str, step: Step) -> set[str]:
     """The action, and each particular of it."""
-    return {action} | {f"{action}.{name}={value}" for name in _PARTICULARS if (value := getattr(step, name))}
+    if step.action == "sprint":
+        step = replace(step, speed="fast")
+    told = {(name, value) for name in _PARTICULARS if (value := getattr(step, name))}
+    told |= {("direction", also) for also in _ALSO_CALLED.get(step.direction, ())}
+    return {action} | {f"{action}.{name}={value}" for name, value in told}
+
+
+class Untold:
+    """Which sentences keep quiet about what anybody would tell of a motion: that it goes aside, or is a special kind.
+
+    "A person walks" is true of somebody who walks backwards, but said of somebody who does not: what is called plainly
+    is to be found before what is not.
+    """
+
+    def __init__(self, vocabulary: Sequence[str]) -> None:
+        actions: dict[str, int] = {}
+        for fact in vocabulary:
+            actions.setdefault(fact.partition(".")[0], len(actions))
+        # What each fact (rows) says of each action (columns).
+        self._named, self._way, self._elsewhere, self._particular, self._kind = (
+            np.zeros((len(vocabulary), len(actions)), np.float32) for _ in range(5)
+        )
+        for row, fact in enumerate(vocabulary):
+            action, _, particular = fact.partition(".")
+            column, general = actions[action], _KINDS_OF.get(fact, "")
+            self._named[row, column] = not particular
+            self._particular[row, column] = particular not in ("", _AHEAD)
+            self._way[row, column] = particular.startswith("direction=")
+            self._elsewhere[row, column] = self._way[row, column] and particular != _AHEAD
+            if general in actions and fact not in _HARDLY_TOLD:
+                self._kind[row, actions[general]] = 1
+
+    def __call__(self, meanings: Sequence[Iterable[int]], facts: Sequence[Iterable[int]]) -> NDArray[np.bool_]:
+        """Boolean (meanings, motions); facts are indices into the vocabulary."""
+        said, holds = _rows(meanings, len(self._named)), _rows(facts, len(self._named))
+        named = said @ self._named > 0
+        no_way, plain = named & ~(said @ self._way > 0), named & ~(said @ (self._particular + self._kind) > 0)
+        untold = no_way.astype(np.float32) @ (holds @ self._elsewhere > 0).T
+        untold += plain.astype(np.float32) @ (holds @ self._kind > 0).T
+        return np.asarray(untold > 0, np.bool_)
+
+
+def _rows(sets: Sequence[Iterable[int]], size: int) -> NDArray[np.float32]:
+    """One row a set, 1 at each of its members."""
+    rows = np.zeros((len(sets), size), np.float32)
+    for i, members in enumerate(sets):
+        rows[i, list(members)] = 1
+    return rows
 
 
 def stated_by(meanings: Sequence[Iterable[int]], facts: Sequence[Iterable[int]], size: int) -> NDArray[np.bool_]:
     """Whether each meaning (rows) holds in each motion (columns): all its facts are among the motion's."""
-    rows, columns = np.zeros((len(meanings), size), np.float32), np.zeros((len(facts), size), np.float32)
-    for i, row in enumerate(meanings):
-        rows[i, list(row)] = 1
-    for j, column in enumerate(facts):
-        columns[j, list(column)] = 1
+    rows, columns = _rows(meanings, size), _rows(facts, size)
     missing = rows @ (1 - columns).T
     return np.asarray((missing == 0) & (rows.sum(axis=1) > 0)[:, None], np.bool_)

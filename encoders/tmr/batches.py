@@ -10,12 +10,17 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from encoders.corpus.facts import stated_by
+from encoders.corpus.facts import Untold, stated_by
 from encoders.tmr.augment import turned
 from encoders.tmr.data import PairStore, sides_conflict
+from encoders.tmr.embed import embed_motions
+from encoders.tmr.network import TMR
 from encoders.tmr.normaliser import Normaliser
 from encoders.tmr.recipe import Recipe
 from encoders.tmr.tokens import TokenTable
+
+#: Made clips that come together where alike ones are drawn, and among how many nearest they are chosen.
+_TOGETHER, _NEAREST = 12, 48
 
 
 @dataclass(frozen=True)
@@ -52,13 +57,19 @@ class Batches:
         self.made, self.real, self.recipe, self.tokens, self.normaliser = made, real, recipe, tokens, normaliser
         self.rows = {id(store): np.array([texts[t] for t in store.texts]) for store in (made, real) if store}
         self.all_texts = list(texts)
+        self.untold = Untold(made.vocabulary)
         self.unrelated = np.array([texts[t] for t in unrelated])
+        self.places: NDArray[np.float32] | None = None
+
+    def place(self, model: TMR) -> None:
+        """Find where this model puts every made clip, (N, D): from now on some come with others that lie near them."""
+        self.places = embed_motions(model, self.made, self.normaliser, self.recipe.max_frames)
 
     def draw(self, rng: np.random.Generator) -> Batch:
         """One batch."""
         recipe = self.recipe
         n_real = round(recipe.batch * recipe.real_share) if self.real else 0
-        picks = [(self.made, int(i)) for i in rng.integers(len(self.made), size=recipe.batch - n_real)]
+        picks = [(self.made, int(i)) for i in self._made(recipe.batch - n_real, rng)]
         if self.real:
             picks += [(self.real, int(i)) for i in rng.integers(len(self.real), size=n_real)]
         chosen = [int(rng.integers(len(store.captions[i]))) for store, i in picks]
@@ -78,6 +89,20 @@ class Batches:
             ignore[len(own) + extra] = True
             ignore[len(own) + extra, row] = False
         return Batch(motions, texts, torch.from_numpy(ignore), torch.tensor([row for row, _ in swapped]).long())
+
+    def _made(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
+        """Indices of `count` made clips; a share of them in groups that the model finds hard to tell apart."""
+        groups = 0 if self.places is None else round(self.recipe.alike * count / _TOGETHER)
+        total = len(self.made)
+        if self.places is None or total < _NEAREST + count:
+            return rng.choice(total, size=count, replace=total < count)
+        alone = rng.choice(total, size=count - groups * (_TOGETHER - 1), replace=False)
+        nearness = self.places[alone[:groups]] @ self.places.T
+        nearness[:, alone] = -np.inf
+        near = np.argpartition(-nearness, _NEAREST, axis=1)[:, :_NEAREST]
+        chosen = np.unique(rng.permuted(near, axis=1)[:, : _TOGETHER - 1])  # groups that overlap share clips
+        others = rng.integers(total, size=count - len(alone) - len(chosen))
+        return np.concatenate([alone, chosen, others])
 
     def _motion(self, store: PairStore, index: int, rng: np.random.Generator) -> NDArray[np.float32]:
         recipe = self.recipe
@@ -111,7 +136,8 @@ class Batches:
             store = self.made
             meanings = [store.meanings[picks[r][1]][chosen[r]] for r in rows]  # type: ignore[index]
             facts = [store.facts[picks[r][1]] or [] for r in rows]
-            ignore[np.ix_(rows, rows)] = stated_by(meanings, facts, len(store.vocabulary))
+            true = stated_by(meanings, facts, len(store.vocabulary))
+            ignore[np.ix_(rows, rows)] = true & ~self.untold(meanings, facts) if self.recipe.typical else true
         involved = ~(made[:, None] & made[None, :])
         sentences = self.tokens.sentences[own]
         near = sentences @ sentences.T > 2 * self.recipe.similarity - 1

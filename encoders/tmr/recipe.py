@@ -38,10 +38,12 @@ class Recipe:
     real_share : share of each batch taken from real clips
     temperature : of the contrastive term; learned from this start where `learn_temperature`
     filter : "facts" leaves out pairs known to be no negatives, "none" leaves out nothing
+    typical : a sentence that keeps quiet about a direction or a special kind stays a negative for what has it
     similarity : sentences nearer than this on the (1 + cosine) / 2 scale are no negatives where a real clip is involved
     contrast : "infonce", "margin" (a ranking loss with a random negative) or "none"
     hard_negatives, unrelated : captions a batch that are negatives for their own clip, or for every clip
     telling : weight, within the contrastive term, of choosing between a sentence and its changed twin
+    alike, alike_from : share of the made clips of a batch that come in groups the model finds alike, from this step on
     crop : share of single-action clips of which a random part is shown
     noise, bias : standard deviations of frame noise and of a constant offset a clip, in standardised units
     yaw, tilt : standard deviations in degrees by which a clip's frame is turned about the vertical, and tilted
@@ -62,11 +64,14 @@ class Recipe:
     temperature: float = 0.07
     learn_temperature: bool = True
     filter: str = "facts"
+    typical: bool = True
     similarity: float = 0.8
     contrast: str = "infonce"
     hard_negatives: int = 64
     telling: float = 2.0
     unrelated: int = 8
+    alike: float = 0.5
+    alike_from: int = 600
     crop: float = 0.5
     noise: float = 0.03
     bias: float = 0.1

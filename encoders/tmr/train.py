@@ -19,6 +19,9 @@ from encoders.tmr.network import TMR
 from encoders.tmr.objective import step_losses
 from encoders.tmr.recipe import Recipe
 
+#: Steps after which clips are placed anew by the model as it then is.
+_PLACED_EVERY = 600
+
 
 def learning_rate(step: int, recipe: Recipe) -> float:
     """Linear warm-up, then a cosine down to a twentieth."""
@@ -90,6 +93,8 @@ class Trainer:
         self.model.train()
         for group in self.optimiser.param_groups:
             group["lr"] = learning_rate(self.step, recipe)
+        if recipe.alike and self.step >= recipe.alike_from:
+            self._place()
         batch = self.batches.draw(self.rng)
         with torch.autocast("cpu", dtype=torch.bfloat16, enabled=recipe.bf16):
             terms = step_losses(self.model, self.log_temperature, batch, recipe)
@@ -109,6 +114,11 @@ class Trainer:
                 self.average[name].lerp_(value, 1 - keep)
         self.step += 1
         return {k: v.item() for k, v in terms.items()} | {"temperature": self.log_temperature.exp().item()}
+
+    def _place(self) -> None:
+        """Let batches know what the model finds alike, now and then; a run that goes on finds it out anew."""
+        if self.batches.places is None or self.step % _PLACED_EVERY == 0:
+            self.batches.place(self.averaged())
 
     def _save(self) -> None:
         partial = self.folder / "last.partial"

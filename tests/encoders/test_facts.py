@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.facts import _KINDS_OF, facts, stated_by
+from encoders.corpus.facts import _KINDS_OF, Untold, facts, stated_by
 from encoders.corpus.programs import programs
 from encoders.corpus.scene import Scene, Step
 
@@ -25,6 +25,10 @@ def sequence(*actions: str) -> Scene:
         (one("walk", direction="left"), one("walk", direction="left", style="drunk")),
         (one("run"), one("jog")),
         (one("run", direction="left"), one("sprint", direction="left", speed="fast")),
+        (one("run", speed="fast"), one("sprint")),
+        (one("sprint"), one("run", speed="fast")),
+        (one("walk", direction="left"), one("walk", direction="forward-left")),
+        (one("walk", direction="backward"), one("walk", direction="backward-left")),
         (one("jump"), sequence("walk", "jump")),
         (sequence("walk", "sit"), sequence("walk", "jump", "sit")),
         (sequence("walk", "run"), sequence("limp", "sprint")),
@@ -42,6 +46,8 @@ def test_it_is_true_of_whatever_shows_all_it_says(said: Scene, shown: Scene) -> 
         (one("walk", direction="left"), one("walk")),
         (one("kick", count=3), one("kick", count=2)),
         (one("jog"), one("run")),
+        (one("sprint"), one("run")),
+        (one("walk", direction="backward-left"), one("walk", direction="backward")),
         (sequence("walk", "sit"), sequence("sit", "walk")),
         (Scene(((Step("walk"), Step("wave")),)), sequence("walk", "wave")),
     ],
@@ -58,3 +64,24 @@ def test_a_meaning_holds_where_all_its_facts_are_and_no_facts_mean_nothing_is_kn
     holds = stated_by([[0], [0, 1], [2], []], [[0], [0, 1], [0, 1, 2]], 3)
     assert holds.tolist() == [[True, True, True], [False, True, True], [False, False, True], [False] * 3]
     assert holds.dtype == np.bool_
+
+
+@pytest.mark.parametrize(
+    ("said", "shown", "untold"),
+    [
+        (one("walk"), one("walk", direction="backward"), True),
+        (one("walk"), one("sneak"), True),
+        (one("walk", direction="forward"), one("sneak", direction="forward"), True),
+        (one("run"), one("sprint"), True),
+        (one("run"), one("jog"), False),
+        (one("walk"), one("walk", direction="forward", style="sad"), False),
+        (one("run", speed="fast"), one("sprint"), False),
+        (one("walk", style="drunk"), one("sneak", style="drunk"), False),
+        (one("wave"), sequence("sneak", "wave"), False),
+        (one("walk", direction="backward"), one("walk", direction="backward"), False),
+    ],
+)
+def test_who_says_so_little_means_nothing_special(said: Scene, shown: Scene, untold: bool) -> None:
+    vocabulary = sorted(facts(said) | facts(shown))
+    rows = [[vocabulary.index(fact) for fact in facts(scene)] for scene in (said, shown)]
+    assert Untold(vocabulary)(rows[:1], rows[1:]).item() is untold

@@ -117,6 +117,19 @@ def test_a_run_does_not_go_on_with_another_network(prepared, tmp_path: Path) -> 
         Trainer(tmp_path, replace(RECIPE, network=replace(RECIPE.network, latent=10)), batches)
 
 
+def test_clips_that_lie_near_each_other_come_together(prepared) -> None:
+    """Twelve of the same kind where alike ones are drawn; by chance they would be a handful."""
+    batches, _, _ = prepared
+    texts = {text: i for i, text in enumerate(batches.all_texts)}
+    batches = Batches(store(40, 0), None, (), batches.tokens, texts, batches.normaliser, RECIPE)
+    kinds = np.arange(40 * KINDS) % KINDS
+    drawn = [np.bincount(kinds[batches._made(16, np.random.default_rng(i))]).max() for i in range(20)]
+    batches.places = np.eye(KINDS, dtype=np.float32)[kinds]
+    together = [np.bincount(kinds[batches._made(16, np.random.default_rng(i))]).max() for i in range(20)]
+    assert max(drawn) < min(together)
+    assert len(batches._made(16, np.random.default_rng(0))) == 16
+
+
 def test_a_recipe_survives_json() -> None:
     assert Recipe.from_dict(RECIPE.to_dict()) == RECIPE
 
