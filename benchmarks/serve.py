@@ -33,9 +33,9 @@ import numpy as np
 
 from benchmarks.simulated import all_sentences, asked, simulate
 from encoders import bundle as bundles
+from indexer.blocks import Block, Part
 from indexer.gallery import CLIPS, WINDOWS
 from indexer.library import FILE, Library
-from indexer.vectors import Block
 from search.engine import SearchableLibrary
 
 _CONNECTIONS = 64
@@ -134,7 +134,7 @@ def recall(folder: Path, sentences: list[str], k: int = 10) -> float:
         given = [{hit.clip_id for hit in library.search(sentence, k)} for sentence in sentences]
         for kind in (CLIPS, WINDOWS):
             index = library._galleries.current(kind, library.connection)
-            index.main = Block.of(index.rows)
+            index._main, index._later = Part(Block.of(index.rows)), ()
         exact = [{hit.clip_id for hit in library.search(sentence, k)} for sentence in sentences]
     return float(np.mean([len(a & b) / len(b) for a, b in zip(given, exact, strict=True)]))
 

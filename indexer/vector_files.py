@@ -28,6 +28,7 @@ _PARTS = (_INDEX, _OWNERS, _SPANS)
 def save(vectors: FlatVectors, folder: Path, name: str, model: str) -> FlatVectors:
     """Write the index as `<folder>/<name>.<generation>.<random>/`: whole or not at all. Older ones go.
 
+    The index that is returned is that of the files, so that the one that was written need not stay in memory.
     Raises OSError where the folder cannot be written.
     """
     import faiss
@@ -58,7 +59,7 @@ def save(vectors: FlatVectors, folder: Path, name: str, model: str) -> FlatVecto
     left = [path for path in folder.glob(f".{name}.*") if time.time() - path.stat().st_mtime > _ABANDONED]
     for old in {*_files(folder, name), *left} - {made}:
         shutil.rmtree(old, ignore_errors=True)
-    return vectors
+    return _mapped(made, vectors.generation)
 
 
 def load(folder: Path, name: str, model: str, size: int) -> FlatVectors | None:
@@ -72,20 +73,27 @@ def load(folder: Path, name: str, model: str, size: int) -> FlatVectors | None:
 
 
 def _load(path: Path, model: str, size: int) -> FlatVectors:
-    import faiss
-
     manifest = json.loads((path / _MANIFEST).read_text())
     if manifest["format"] != _FORMAT or manifest["model"] != model:
         raise ValueError("of another model or version")
     for part, digest in manifest["digest"].items():
         if part not in _PARTS or _digest(path / part) != digest:
             raise ValueError(f"{part} is damaged")
+    vectors = _mapped(path, int(manifest["generation"]))
+    if vectors.size != size:
+        raise ValueError("vectors of another size")
+    return vectors
+
+
+def _mapped(path: Path, generation: int) -> FlatVectors:
+    import faiss
+
     index = faiss.read_index(str(path / _INDEX), faiss.IO_FLAG_MMAP_IFC)
     owners = np.load(path / _OWNERS, mmap_mode="r", allow_pickle=False)
     spans = np.load(path / _SPANS, mmap_mode="r", allow_pickle=False)
-    if index.d != size or len(owners) != index.ntotal or spans.shape != (index.ntotal, 2):
+    if len(owners) != index.ntotal or spans.shape != (index.ntotal, 2):
         raise ValueError("parts do not fit together")
-    return FlatVectors(int(manifest["generation"]), block_around(owners, spans, index))
+    return FlatVectors(generation, block_around(owners, spans, index))
 
 
 def _files(folder: Path, name: str) -> list[Path]:

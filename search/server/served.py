@@ -114,7 +114,7 @@ class ServedLibrary(SearchableLibrary):
     def _look(self) -> Snapshot:
         clips, windows = (self._galleries.current(kind, self.connection) for kind in (CLIPS, WINDOWS))
         said = self.connection.execute(_SAID).fetchone()
-        return Snapshot(min(clips.generation, windows.generation), clips, windows, super().__len__(), said)
+        return Snapshot(min(clips.generation, windows.generation), clips, windows, len(clips), said)
 
     def _watch(self) -> None:
         while not self._stop.wait(_LOOK_EVERY):
