@@ -69,7 +69,7 @@ class Gait:
 
     speed: float = 1.25
     cadence: float = 1.85
-    duty: float = 0.575
+    duty: float = 0.565
     lift: float = 0.11
     bob: float = 0.008
     push: float = 0.75
@@ -198,14 +198,14 @@ def step_along(course: Course, gait: Gait, manner: Manner) -> Curves:
     for side in (LEFT, RIGHT):
         ankle, pitch, yaw, knee = _foot(course, gait, manner, side)
         curves.feet[:, side], curves.foot_pitch[:, side] = ankle[keep], pitch[keep]
-        curves.foot_yaw[:, side] = yaw[keep] - 0.6 * curves.foot_yaw[:, side]  # toes point straight ahead
+        curves.foot_yaw[:, side] = yaw[keep] - curves.foot_yaw[:, side]  # toes point straight ahead
         curves.knee[:, side] += knee[keep] if side == LEFT else -knee[keep]
     cycle = 2 * np.pi * phase
     middle = cycle - np.pi * gait.duty  # 0 in the middle of the left foot's stance, half a turn on of the right's
     beat = np.cos(middle)
     _hips(curves, course, gait, manner, middle)
     _torso(curves, gait, manner, effort, cycle, beat)
-    _balance(curves, course, 0.25 if gait.duty > 0.5 else 0.4)
+    _balance(curves, course, 0.25 if gait.duty > 0.5 else 0.33)
     _arms(curves, gait, manner, effort, cycle)
     return curves
 
@@ -223,8 +223,10 @@ def _hips(curves: Curves, course: Course, gait: Gait, manner: Manner, middle: Ar
     surge *= -np.sin(2 * middle)[:, None]
     curves.root[:, 0] = course.root[keep, 0] + sway * np.cos(facing) + surge[:, 0]
     curves.root[:, 2] = course.root[keep, 1] - sway * np.sin(facing) + surge[:, 1]
-    bob = gait.bob * float(np.clip(manner.factor("bounce"), 0.2, 2.5)) + 0.011 * max(manner.bounce - 0.2, 0.0)
-    bob = (-bob if gait.duty < 0.5 else bob) + 0.4 * manner.pulse
+    flies = gait.duty < 0.5
+    bob = gait.bob * float(np.clip(manner.factor("bounce"), 0.2, 1.5 if flies else 2.5))
+    bob += 0.011 * max(manner.bounce - 0.2, 0.0) + 0.4 * manner.pulse
+    bob = -bob if flies else bob
     level = smooth_level(course.level, len(course.phase))[keep]
     # A spared leg makes the body sink and lean while it stands.
     curves.root[:, 1] = STAND + level - gait.crouch + 0.12 * np.sin(gait.tiptoe)

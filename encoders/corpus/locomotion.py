@@ -40,7 +40,7 @@ def _own(gait: Gait, speed: Range, cadence: Range, rng: Generator) -> Gait:
         speed=speed[0] + share * (speed[1] - speed[0]),
         cadence=cadence[0] + feet * (cadence[1] - cadence[0]),
         duty=gait.duty * rng.uniform(0.91, 1.05),
-        lift=gait.lift * rng.uniform(0.6, 1.35),
+        lift=gait.lift * rng.uniform(0.75, 1.35),
         bob=gait.bob * rng.uniform(0.6, 1.5),
         push=gait.push * rng.uniform(0.8, 1.15),
         lean=gait.lean * rng.uniform(0.3, 1.7) + rng.normal(0.0, 0.03),
@@ -63,7 +63,7 @@ RUNNING = (*AHEAD, *CURVED, "in place", "backward")
 
 _JOG = Gait(
     duty=0.32, lift=0.26, bob=0.04, push=0.9, lean=0.23, arms=0.4, elbow=1.85, twist=0.2, yaw=-0.2, behind=0.06,
-    width=0.035, around=0.05, nod=0.04, kick=0.09, drawn=0.42, crouch=0.01,
+    width=0.022, around=0.05, nod=0.04, kick=0.09, drawn=0.42, crouch=0.01,
 )  # fmt: skip
 _RUN = replace(_JOG, duty=0.3, lift=0.27, bob=0.045, push=1.0, lean=0.29, arms=0.48, twist=0.24, kick=0.1)
 _SPRINT = replace(
@@ -84,7 +84,7 @@ _HIGH_KNEES = Gait(duty=0.45, lift=0.42, bob=0.03, push=0.6, lean=0.0, arms=0.6,
 #: Name, gait, metres a second, steps a second, directions, weight.
 _GAITS: tuple[tuple[str, Gait, Range, Range, tuple[str, ...], float], ...] = (
     ("walk", Gait(), (1.0, 1.5), (1.7, 2.1), EVERYWHERE, 5.0),
-    ("jog", _JOG, (1.5, 3.4), (2.3, 3.0), RUNNING, 3.0),
+    ("jog", _JOG, (1.5, 3.6), (2.4, 3.1), RUNNING, 3.0),
     ("run", _RUN, (2.0, 4.7), (2.5, 3.3), RUNNING, 4.0),
     ("sprint", _SPRINT, (3.5, 6.8), (3.0, 4.3), ("forward", "left", "right", "back and forth"), 3.0),
     ("tiptoe", _TIPTOE, (0.4, 0.8), (1.5, 2.0), (*AHEAD, "backward", "around"), 1.0),
