@@ -20,10 +20,16 @@ from encoders.tmr import losses
 from encoders.tmr.data import PairStore
 from encoders.tmr.language import LanguageModel
 from encoders.tmr.material import unrelated_sentences
-from encoders.tmr.recipe import Recipe
+from encoders.tmr.network import Tower
+from encoders.tmr.recipe import Recipe, default_network
 from encoders.tmr.run import prepare, train
 
+_ENCODERS = default_network()
+_DECODER = Tower(
+    features=_ENCODERS.motion.features, width=192, layers=1, feedforward=384, frames_per_token=4, dropout=0.0
+)
 PLAIN = Recipe(
+    network=replace(_ENCODERS, decoder=_DECODER),
     weights=losses.Weights(),
     temperature=0.1,
     learn_temperature=False,
@@ -31,6 +37,8 @@ PLAIN = Recipe(
     telling=0.0,
     unrelated=0,
     sampled=True,
+    typical=False,
+    alike=0.0,
     words_lost=0.0,
     yaw=0.0,
     tilt=0.0,
@@ -48,7 +56,9 @@ VARIANTS = {
     "the default recipe": replace(Recipe(), real_share=0.0),
     "default, temperature fixed at 0.1": replace(Recipe(), real_share=0.0, temperature=0.1, learn_temperature=False),
     "default, no false twins": replace(Recipe(), real_share=0.0, hard_negatives=0, telling=0.0),
-    "default, sampled latents": replace(Recipe(), real_share=0.0, sampled=True),
+    "default, with reconstruction and sampled latents": replace(
+        Recipe(), real_share=0.0, sampled=True, network=PLAIN.network
+    ),
 }
 COLUMNS = ("strict_R@1", "strict_MedR", "made_R@1", "made_R@10", "swapped")
 

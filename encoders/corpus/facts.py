@@ -73,30 +73,40 @@ class Untold:
 
     def __init__(self, vocabulary: Sequence[str]) -> None:
         actions: dict[str, int] = {}
-        for fact in vocabulary:
-            actions.setdefault(fact.partition(".")[0], len(actions))
-        # What each fact (rows) says of each action (columns).
-        self._named, self._way, self._elsewhere, self._particular, self._kind = (
-            np.zeros((len(vocabulary), len(actions)), np.float32) for _ in range(5)
-        )
-        for row, fact in enumerate(vocabulary):
-            action, _, particular = fact.partition(".")
-            column, general = actions[action], _KINDS_OF.get(fact, "")
-            self._named[row, column] = not particular
-            self._particular[row, column] = particular not in ("", _AHEAD)
-            self._way[row, column] = particular.startswith("direction=")
-            self._elsewhere[row, column] = self._way[row, column] and particular != _AHEAD
-            if general in actions and fact not in _HARDLY_TOLD:
-                self._kind[row, actions[general]] = 1
+        self._action = np.array([actions.setdefault(f.partition(".")[0], len(actions)) for f in vocabulary], np.int64)
+        self._general = np.array([actions.get(_told_as(fact), -1) for fact in vocabulary], np.int64)
+        particulars = [fact.partition(".")[2] for fact in vocabulary]
+        self._particular = np.array([p not in ("", _AHEAD) for p in particulars], np.bool_)
+        self._way = np.array([p.startswith("direction=") for p in particulars], np.bool_)
+        self._named = np.array([not p for p in particulars], np.bool_)
+        self._actions = len(actions)
 
-    def __call__(self, meanings: Sequence[Iterable[int]], facts: Sequence[Iterable[int]]) -> NDArray[np.bool_]:
+    def __call__(self, meanings: Sequence[Sequence[int]], facts: Sequence[Sequence[int]]) -> NDArray[np.bool_]:
         """Boolean (meanings, motions); facts are indices into the vocabulary."""
-        said, holds = _rows(meanings, len(self._named)), _rows(facts, len(self._named))
-        named = said @ self._named > 0
-        no_way, plain = named & ~(said @ self._way > 0), named & ~(said @ (self._particular + self._kind) > 0)
-        untold = no_way.astype(np.float32) @ (holds @ self._elsewhere > 0).T
-        untold += plain.astype(np.float32) @ (holds @ self._kind > 0).T
-        return np.asarray(untold > 0, np.bool_)
+        named = self._of_actions(meanings, self._action, self._named)
+        no_way = named & ~self._of_actions(meanings, self._action, self._way)
+        kind = self._general >= 0
+        plain = named & ~self._of_actions(meanings, self._action, self._particular)
+        plain &= ~self._of_actions(meanings, self._general, kind)
+        elsewhere = self._of_actions(facts, self._action, self._way & self._particular)
+        special = self._of_actions(facts, self._general, kind)
+        return np.asarray(no_way.astype(np.float32) @ elsewhere.T + plain.astype(np.float32) @ special.T > 0, np.bool_)
+
+    def _of_actions(
+        self, sets: Sequence[Sequence[int]], action: NDArray[np.int64], which: NDArray[np.bool_]
+    ) -> NDArray[np.bool_]:
+        """Boolean (sets, actions): whether a set has a fact out of `which` that belongs to an action."""
+        rows = np.repeat(np.arange(len(sets)), [len(members) for members in sets])
+        members = np.concatenate([np.asarray(members, np.int64) for members in sets])
+        rows, members = rows[which[members]], members[which[members]]
+        table = np.zeros((len(sets), self._actions), np.bool_)
+        table[rows, action[members]] = True
+        return table
+
+
+def _told_as(fact: str) -> str:
+    """The action of which this one is a kind that people would name; none for other facts."""
+    return "" if fact in _HARDLY_TOLD else _KINDS_OF.get(fact, "")
 
 
 def _rows(sets: Sequence[Iterable[int]], size: int) -> NDArray[np.float32]:

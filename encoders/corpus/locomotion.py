@@ -86,7 +86,7 @@ _GAITS: tuple[tuple[str, Gait, Range, Range, tuple[str, ...], float], ...] = (
     ("walk", Gait(), (1.0, 1.5), (1.7, 2.1), EVERYWHERE, 5.0),
     ("jog", _JOG, (1.5, 3.6), (2.4, 3.1), RUNNING, 3.0),
     ("run", _RUN, (2.0, 4.7), (2.5, 3.3), RUNNING, 4.0),
-    ("sprint", _SPRINT, (3.5, 6.8), (3.0, 4.3), ("forward", "left", "right", "back and forth"), 3.0),
+    ("sprint", _SPRINT, (3.5, 6.8), (3.0, 4.3), ("forward", "left", "right", "back and forth"), 6.0),
     ("tiptoe", _TIPTOE, (0.4, 0.8), (1.5, 2.0), (*AHEAD, "backward", "around"), 1.0),
     ("march", _MARCH, (0.7, 1.2), (1.6, 2.0), (*AHEAD, "in place", "around", "backward"), 1.0),
     ("stomp", _STOMP, (0.5, 1.0), (1.4, 1.8), ("forward", "in place", "around"), 1.0),

@@ -19,11 +19,11 @@ _FEATURES, _TOKEN_FEATURES = FEATURE_KINDS["body"].size, 384
 
 
 def default_network(features: int = _FEATURES, token_features: int = _TOKEN_FEATURES) -> Config:
-    """The sizes of the default model: about a quarter of published TMR's, four frames a token."""
+    """The sizes of the default model: encoders a quarter of published TMR's, four frames a token, and no decoder."""
     return Config(
         motion=Tower(features=features, width=256, layers=3, feedforward=768, frames_per_token=4),
         text=Tower(features=token_features, width=256, layers=2, feedforward=768),
-        decoder=Tower(features=features, width=192, layers=1, feedforward=384, frames_per_token=4, dropout=0.0),
+        decoder=None,
         latent=256,
     )
 
@@ -54,7 +54,7 @@ class Recipe:
     """
 
     network: Config = field(default_factory=default_network)
-    weights: Weights = field(default_factory=lambda: Weights(contrastive=0.5))
+    weights: Weights = field(default_factory=lambda: Weights(contrastive=1.0))
     steps: int = 5400
     batch: int = 192
     rate: float = 1e-3

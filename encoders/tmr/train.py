@@ -116,7 +116,7 @@ class Trainer:
         return {k: v.item() for k, v in terms.items()} | {"temperature": self.log_temperature.exp().item()}
 
     def _place(self) -> None:
-        """Let batches know what the model finds alike, now and then; a run that goes on finds it out anew."""
+        """Let batches know what the model finds alike, now and then."""
         if self.batches.places is None or self.step % _PLACED_EVERY == 0:
             self.batches.place(self.averaged())
 
@@ -131,6 +131,7 @@ class Trainer:
                 "optimiser": self.optimiser.state_dict(),
                 "numpy_rng": json.dumps(self.rng.bit_generator.state),
                 "torch_rng": torch.get_rng_state(),
+                "places": None if self.batches.places is None else torch.from_numpy(self.batches.places),
             },
             partial,
         )
@@ -149,3 +150,6 @@ class Trainer:
         self.optimiser.load_state_dict(saved["optimiser"])
         self.rng.bit_generator.state = json.loads(saved["numpy_rng"])
         torch.set_rng_state(saved["torch_rng"])
+        places = saved.get("places")
+        if places is not None and len(places) == len(self.batches.made):  # other clips have to be placed anew
+            self.batches.places = places.numpy()

@@ -113,7 +113,7 @@ def _off_hand(c: Cue, angle: float, up: float) -> dict[str, ArrayLike]:
     return {"off": across * [1.0 if angle > 0 else 0.5, 1.0, 1.0]}
 
 
-@acted("guide", group=GROUP, parts=ONE_ARM, sides=SIDED, directions=("forward", "left", "right"), weight=5)
+@acted("guide", group=GROUP, parts=ONE_ARM, sides=SIDED, directions=("forward", "left", "right"), weight=8)
 def guide(c: Cue) -> list[Key]:
     """Show the way: an open hand is led out at waist to shoulder height and held, often with a slight bow or a turn."""
     angle, up = _toward_the_way(c), c.r(-0.62, 0.1)
