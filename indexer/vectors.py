@@ -22,8 +22,9 @@ __all__ = ["CLUSTERED_FROM", "FlatVectors", "Found", "Rows", "Vectors", "block_a
 #: Rows from which on a main block is searched by clusters: exact search then costs more than 2 ms a query.
 CLUSTERED_FROM = 80_000
 
-#: Rows from which on what came later than a main block in clusters is sorted into these too.
-SORTED_FROM = 8192
+#: Rows from which on what came later has clusters of its own. Those of the main block would not do: what is new is
+#: often unlike what was there, and lies far from all their centres.
+LATER_CLUSTERED_FROM = 8192
 
 #: Share of rows that came or went since the main block was made, from which on a new one is made.
 _LOOSE = 0.05
@@ -49,9 +50,9 @@ class Vectors(Protocol):
         """
 
 
-def block_of(rows: Rows) -> Block:
-    """A block over `rows`: exact, or in clusters where there are very many."""
-    return (ClusteredBlock if len(rows) >= CLUSTERED_FROM else Block).of(rows)
+def block_of(rows: Rows, clustered_from: int) -> Block:
+    """A block over `rows`: exact, or in clusters where there are many."""
+    return (ClusteredBlock if len(rows) >= clustered_from else Block).of(rows)
 
 
 def block_around(owners: NDArray[np.int64], spans: NDArray[np.float32], index: Any) -> Block:
@@ -63,9 +64,8 @@ class FlatVectors:
     """Search in a main block, which may lie in a mapped file, and in what came later, as a log-structured merge tree.
 
     What an update adds is a block of its own. Two blocks of about one size become one, so there are few of them, and a
-    row is copied a few times, however many updates there are (O'Neil et al., Acta Informatica 33, 1996). The one that
-    came last is exact, for whoever opens a library to ask a single question; of the others, large ones lie in the
-    main block's clusters.
+    row is copied a few times, however many updates there are (O'Neil et al., Acta Informatica 33, 1996). What came
+    last is exact, for whoever opens a library to ask a single question; all else that is large lies in clusters.
     """
 
     def __init__(self, generation: int, main: Part | Block, later: tuple[Part, ...] = ()) -> None:
@@ -77,7 +77,7 @@ class FlatVectors:
     @classmethod
     def of(cls, generation: int, rows: Rows) -> FlatVectors:
         """An index over `rows`."""
-        return cls(generation, block_of(rows))
+        return cls(generation, block_of(rows, CLUSTERED_FROM))
 
     @property
     def main(self) -> Block:
@@ -105,17 +105,14 @@ class FlatVectors:
         """See `Vectors.update`; costs about as much as what is removed and added."""
         main, *later = (part.without(remove) for part in (self._main, *self._later))
         later += [Part(Block.of(add))] if len(add) else []
-        changed = FlatVectors(generation, main, _merged(main.block, later))
+        changed = FlatVectors(generation, main, _merged(later))
         lost = len(main.block) - len(main)
         return changed if lost + sum(map(len, later)) <= _LOOSE * len(main.block) else changed.compacted()
 
     def compacted(self) -> FlatVectors:
         """The same with all rows in the main block."""
-        if not self._later and self._main.kept is None:
-            return self
-        if isinstance(self.main, ClusteredBlock) and not self.main.outgrown(len(self)) and len(self) >= CLUSTERED_FROM:
-            return FlatVectors(self.generation, self.main.join([self._main, *self._later]))
-        return FlatVectors.of(self.generation, self.rows)
+        compact = not self._later and self._main.kept is None
+        return self if compact else FlatVectors.of(self.generation, self.rows)
 
     def search(self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None) -> Found:
         """See `Vectors.search`."""
@@ -127,24 +124,20 @@ class FlatVectors:
         return found[0] if len(found) == 1 else _best(found, k)
 
 
-def _merged(main: Block, later: list[Part]) -> tuple[Part, ...]:
-    """The same rows in fewer parts, each at least twice as large as the next."""
+def _merged(later: list[Part]) -> tuple[Part, ...]:
+    """The same rows in fewer parts, each at least twice as large as the next; all but the last in clusters if large."""
     later = [part for part in later if len(part)]
     while len(later) > 1 and len(later[-2]) < 2 * len(later[-1]):
-        later[-2:] = [_joined(main, later[-2:])]
-    last = len(later) - 1
-    return tuple(_joined(main, [part]) if i < last and _unsorted(main, part) else part for i, part in enumerate(later))
+        later[-2:] = [_joined(later[-2:])]
+    return (*(_joined([part]) if _is_slow(part) else part for part in later[:-1]), *later[-1:])
 
 
-def _unsorted(main: Block, part: Part) -> bool:
-    large = len(part) >= SORTED_FROM and isinstance(main, ClusteredBlock)
-    return large and not isinstance(part.block, ClusteredBlock)
+def _is_slow(part: Part) -> bool:
+    return len(part) >= LATER_CLUSTERED_FROM and not isinstance(part.block, ClusteredBlock)
 
 
-def _joined(main: Block, parts: list[Part]) -> Part:
-    if isinstance(main, ClusteredBlock) and sum(map(len, parts)) >= SORTED_FROM:
-        return Part(main.join(parts))
-    return Part(Block.of(Rows.join([part.rows for part in parts])))
+def _joined(parts: list[Part]) -> Part:
+    return Part(block_of(Rows.join([part.rows for part in parts]), LATER_CLUSTERED_FROM))
 
 
 def _best(found: list[Found], k: int) -> Found:

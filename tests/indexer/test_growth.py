@@ -30,7 +30,7 @@ def some_rows(count, first_owner, seed):
 @pytest.fixture
 def small_limits(monkeypatch):
     monkeypatch.setattr(vectors, "CLUSTERED_FROM", FIRST)
-    monkeypatch.setattr(vectors, "SORTED_FROM", 4 * BATCH)
+    monkeypatch.setattr(vectors, "LATER_CLUSTERED_FROM", 4 * BATCH)
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def touched(monkeypatch):
         return make
 
     monkeypatch.setattr(Block, "of", staticmethod(counted(Block.of)))
-    monkeypatch.setattr(ClusteredBlock, "join", counted(ClusteredBlock.join))
+    monkeypatch.setattr(ClusteredBlock, "of", staticmethod(counted(ClusteredBlock.of)))
     return counts
 
 
@@ -128,25 +128,15 @@ def test_what_is_removed_is_gone_wherever_it_lay(limits, request):
     assert share_found(changed.search(asked(), 20, allowed=allowed)[1], want[1]) > 0.9
 
 
-def test_a_grown_index_becomes_one_block_with_the_same_centres_and_rows(small_limits, touched):
+def test_a_grown_index_becomes_one_block_with_the_same_rows(small_limits):
     first = some_rows(FIRST, 1, seed=0)
-    index, added = grown(FlatVectors.of(1, first), 8)
-    index = index.update(50, remove=np.array([5, 10_100]), add=Rows.none(SIZE))
-    everything = Rows.join([first, added])
-    left = everything[~np.isin(everything.owners, [5, 10_100])]
-    whole = index.compacted()
+    index, added = grown(FlatVectors.of(1, first))
+    left = (everything := Rows.join([first, added]))[~np.isin(everything.owners, [5, 10_100])]
+    whole = index.update(50, remove=np.array([5, 10_100]), add=Rows.none(SIZE)).compacted()
     assert not whole._later
-    assert whole.main.index.nlist == index.main.index.nlist
     np.testing.assert_array_equal(whole.rows.owners, left.owners)
     np.testing.assert_array_equal(whole.rows.spans, left.spans)
     np.testing.assert_array_equal(whole.rows.vectors, left.vectors)
-    np.testing.assert_allclose(whole.search(asked(), 20)[0], index.search(asked(), 20)[0], atol=1e-5)
-
-
-def test_centres_are_found_anew_when_there_are_twice_as_many_rows(small_limits):
-    index = FlatVectors.of(1, some_rows(FIRST, 1, seed=0))
-    more = index.update(2, remove=np.empty(0, np.int64), add=some_rows(FIRST + 2000, 50_000, seed=1))
-    assert more.main.index.nlist > index.main.index.nlist
 
 
 def test_readers_of_an_older_index_never_meet_a_change(small_limits):
