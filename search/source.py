@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
 from os import PathLike, fspath
@@ -18,6 +18,7 @@ from encoders.motion import Motion
 from indexer import load_motion
 from indexer.clips import Caption, Clip
 from indexer.library import Library
+from indexer.recall import read_as_known
 from indexer.windows import Windows, ends_of, grid
 
 #: Names held against one that no clip has.
@@ -66,15 +67,21 @@ class Source:
         return cls(clip.path, clip.file, clip.duration, read, captions, windows, clip.id)
 
     @classmethod
-    def of_file(cls, path: str | PathLike[str]) -> Source:
-        """A file, read now.
+    def of_file(cls, path: str | PathLike[str], library: Library | None = None, *, fps: float | None = None) -> Source:
+        """A file, read now: as a library would read it, where one is given.
+
+        Parameters
+        ----------
+        fps : float, optional
+            The file's true frame rate, over what it says or the library knows.
 
         Raises
         ------
         UnreadableMotion
             If it cannot be read.
         """
-        return cls.of_motion(load_motion(path), fspath(path), Path(path))
+        motion = load_motion(path, fps=fps) if library is None else read_as_known(library, Path(path), fps=fps)
+        return cls.of_motion(motion, fspath(path), Path(path))
 
     @classmethod
     def of_motion(cls, motion: Motion, path: str = "", file: Path | None = None) -> Source:
@@ -144,8 +151,13 @@ def find_clip(library: Library, ref: str | PathLike[str]) -> Clip | None:
         return None
 
 
-def find_source(ref: str | PathLike[str], library: Library | None) -> Source:
+def find_source(ref: str | PathLike[str], library: Library | None, *, fps: float | None = None) -> Source:
     """What a reference names.
+
+    Parameters
+    ----------
+    fps : float, optional
+        The true frame rate of what is meant; a clip is then read anew from its file.
 
     Raises
     ------
@@ -158,12 +170,16 @@ def find_source(ref: str | PathLike[str], library: Library | None) -> Source:
     if library is None:
         if not path.exists():
             raise UnreadableMotion(ref, "there is no such file; to name a clip of a library, add --library FOLDER")
-        return Source.of_file(ref)
+        return Source.of_file(ref, fps=fps)
     try:
         clip = find_clip(library, ref)
     except LibraryError as error:
         raise LibraryError(f"{error}{_perhaps(library, fspath(ref))}") from None
-    return Source.of_file(ref) if clip is None else Source.of_clip(library, clip)
+    if clip is None:
+        return Source.of_file(ref, library, fps=fps)
+    if fps is not None:
+        return replace(Source.of_file(clip.file, library, fps=fps), path=clip.path, clip_id=clip.id)
+    return Source.of_clip(library, clip)
 
 
 def _perhaps(library: Library, ref: str) -> str:

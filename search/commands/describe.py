@@ -12,9 +12,12 @@ from search.commands import options
 @options.start
 @options.end
 @click.option("-k", "k", type=click.IntRange(1, 1000), default=5, show_default=True, help="At most so many.")
+@options.fps
 @options.library
 @options.as_json
-def describe(ref: str, start: float | None, end: float | None, k: int, folder: str | None, as_json: bool) -> None:
+def describe(
+    ref: str, start: float | None, end: float | None, k: int, fps: float | None, folder: str | None, as_json: bool
+) -> None:
     """Say what happens in CLIP: a file, or a clip of the library by path, name or #id.
 
     A file needs no library; where there is one, its captions are among the sentences.
@@ -27,7 +30,7 @@ def describe(ref: str, start: float | None, end: float | None, k: int, folder: s
     from search import terminal
     from search.takes import describe_motion
 
-    with options.open_source(ref, folder) as (bundle, source, library):
+    with options.open_source(ref, folder, fps=fps) as (bundle, source, library):
         texts, _, vectors = library.caption_vectors() if library else ((), None, None)
         sentences = describe_motion(bundle, source.cut(start, end), k, texts, vectors)
     if as_json:

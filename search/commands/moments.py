@@ -25,6 +25,7 @@ from search.commands import options
 @options.force
 @options.hits
 @options.filters
+@options.fps
 @options.library
 @options.as_json
 def moments(
@@ -36,6 +37,7 @@ def moments(
     plot: Path | None,
     force: bool,
     k: int,
+    fps: float | None,
     folder: str | None,
     as_json: bool,
     **filters: Any,
@@ -65,6 +67,8 @@ def moments(
         options.refuse_overwriting(plot, force)
         refuse_format(plot)
     if ref is None:
+        if fps is not None:
+            raise click.UsageError("--fps needs a CLIP whose file it is true of")
         with options.open_library(folder) as library:
             found = library.answer(question, None, k, **filters)
         terminal.answer(question, found, as_json=as_json)
@@ -72,7 +76,7 @@ def moments(
 
     from search.takes import curves, moments_in
 
-    with options.open_source(ref, folder) as (bundle, source, _):
+    with options.open_source(ref, folder, fps=fps) as (bundle, source, _):
         found = moments_in(bundle, source, question, k)
         times, similarity = curves(bundle, source, question.encode(bundle))
     if plot is not None:

@@ -28,6 +28,9 @@ library = click.option(
     help="The library; else MOTIONSEEK_LIBRARY, else the nearest .motionseek upward from here.",
 )
 start = click.option("--start", type=click.FloatRange(min=0), help="Begin at this second.")
+fps = click.option(
+    "--fps", type=click.FloatRange(1, 10_000), help="True frame rate of the file, over what it says or was indexed at."
+)
 end = click.option("--end", type=click.FloatRange(min=0), help="End at this second.")
 
 _FILTERS = (
@@ -56,8 +59,13 @@ def open_library(folder: str | None) -> SearchableLibrary:
 
 
 @contextmanager
-def open_source(ref: str, folder: str | None) -> Iterator[tuple[Bundle, Source, SearchableLibrary | None]]:
-    """The model, the file or clip a command means, and the library; None where a file is asked about without one."""
+def open_source(
+    ref: str, folder: str | None, *, fps: float | None = None
+) -> Iterator[tuple[Bundle, Source, SearchableLibrary | None]]:
+    """The model, the file or clip a command means, and the library; None where a file is asked about without one.
+
+    Where no library is named or found from here upward, a file is asked about with the one it lies in.
+    """
     from encoders.bundle import Bundle
     from encoders.errors import LibraryError
     from search.locate import VARIABLE
@@ -68,11 +76,33 @@ def open_source(ref: str, folder: str | None) -> Iterator[tuple[Bundle, Source, 
     except LibraryError:
         if (folder or os.environ.get(VARIABLE)) and not Path(ref).is_file():
             raise
-        source = find_source(ref, None)
-        yield Bundle.load(), source, None
-        return
+        around = None if folder or os.environ.get(VARIABLE) else _library_around(Path(ref))
+        if around is None:
+            yield Bundle.load(), find_source(ref, None, fps=fps), None
+            return
+        library = around
     with library:
-        yield library.bundle, find_source(ref, library), library
+        yield library.bundle, find_source(ref, library, fps=fps), library
+
+
+def _library_around(file: Path) -> SearchableLibrary | None:
+    """The library that a file lies in, where it is one of the model at hand."""
+    from encoders.errors import BundleMismatch, LibraryError
+    from search.engine import SearchableLibrary
+    from search.locate import locate
+
+    if not file.is_file():
+        return None
+    try:
+        library = SearchableLibrary.open(locate(start=file.absolute().parent))
+    except LibraryError:
+        return None
+    try:
+        library.bundle  # noqa: B018  raises where the library is of another model
+    except BundleMismatch:
+        library.close()
+        return None
+    return library
 
 
 def read_object(path: Path) -> dict[str, Any]:

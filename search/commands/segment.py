@@ -17,10 +17,18 @@ from search.commands import options
     "-o", "--out", type=click.Path(dir_okay=False, path_type=Path), help="Write .tsv, .json, .babel.json or .eaf."
 )
 @options.force
+@options.fps
 @options.library
 @options.as_json
 def segment(
-    ref: str, labels: str | None, captions: bool, out: Path | None, force: bool, folder: str | None, as_json: bool
+    ref: str,
+    labels: str | None,
+    captions: bool,
+    out: Path | None,
+    force: bool,
+    fps: float | None,
+    folder: str | None,
+    as_json: bool,
 ) -> None:
     """Say what happens in TAKE from its beginning to its end; without labels, in the words of the shipped vocabulary.
 
@@ -49,7 +57,7 @@ def segment(
         if write is None:
             raise click.UsageError(f"{out}: can write {', '.join(FORMATS)}")
         options.refuse_overwriting(out, force)
-    with options.open_source(ref, folder) as (bundle, source, library):
+    with options.open_source(ref, folder, fps=fps) as (bundle, source, library):
         if captions:
             names = sorted(set(library.caption_vectors()[0])) if library else []
             if not names:

@@ -16,6 +16,7 @@ from search.commands import options
 @click.option("--moments", is_flag=True, help="Find spans inside clips instead of whole clips.")
 @options.hits
 @options.filters
+@options.fps
 @options.library
 @options.as_json
 def similar(
@@ -24,6 +25,7 @@ def similar(
     end: float | None,
     moments: bool,
     k: int,
+    fps: float | None,
     folder: str | None,
     as_json: bool,
     **filters: Any,
@@ -37,9 +39,11 @@ def similar(
     """
     from search import terminal
     from search.commands.search import nothing
+    from search.source import find_source
 
     with options.open_library(folder) as library:
-        found = library.similar(ref, k, start, end, moments=moments, **filters)
+        source = find_source(ref, library, fps=fps)
+        found = library.similar(source, k, start, end, moments=moments, **filters)
         terminal.hits(found, ref, as_json=as_json)
         if not found:
             terminal.note(nothing(library, filters))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -436,3 +437,25 @@ def test_a_reader_that_goes_away_is_no_error(indexed: Path, arguments: list[str]
     with process.stderr as err:
         assert err.read() == ""
     assert process.wait() == 141
+
+
+def test_a_file_is_read_at_the_rate_its_library_was_told_of_unless_another_is_given(
+    takes: Path, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mine, eight_seconds = tmp_path / "mine", "take 2.npy"
+    mine.mkdir()
+    shutil.copy(takes / eight_seconds, mine)
+    shutil.copy(takes / eight_seconds, tmp_path / "copy.npy")
+    assert run("index", mine, "--fps", 10, "--jobs", 1).code == 0
+    monkeypatch.chdir(tmp_path)
+    library = ("--library", mine)
+    for asked in ((mine / eight_seconds, *library), ("copy.npy", *library), (mine / eight_seconds,)):
+        for given, seconds in (((), 16), (("--fps", 40), 4)):
+            close = pytest.approx(seconds, abs=0.1)
+            assert run("segment", *asked, *given, "--json").document["segments"][-1]["end"] == close
+            assert run("moments", "walks", *asked, *given, "--json").document["hits"][0]["duration"] == close
+            late = run("describe", *asked, *given, "--start", 10)
+            assert late.code == (0 if seconds == 16 else 2)
+    assert run("similar", eight_seconds, "--start", 10, *library, "--json").code == 0
+    assert "outside" in run("similar", eight_seconds, "--start", 10, "--fps", 40, *library).err
+    assert run("moments", "walks", "--fps", 40, *library).code == 2

@@ -1,0 +1,78 @@
+"""Recall: a file that is no clip is read at the frame rate that its library was told of."""
+
+import shutil
+
+import pytest
+
+from indexer.ingest import index
+from indexer.library import Library
+from indexer.recall import read_as_known, recipe_of
+from tests.indexer.folders import SmallBundle, write
+
+
+@pytest.fixture
+def root(tmp_path):
+    folder = tmp_path / "takes"
+    for seed in (1, 2):
+        write(folder / f"{seed}.npy", seed)  # four seconds at 20 frames a second
+    return folder
+
+
+def duration(root, path, **given):
+    with Library.open(root) as library:
+        return pytest.approx(read_as_known(library, path, **given).duration, abs=0.15)
+
+
+def test_a_copy_is_read_as_the_file_of_its_content_was(root, tmp_path):
+    (root / "captions.csv").write_text("path,fps\n1.npy,40\n")
+    index(root, bundle=SmallBundle(), jobs=1)
+    for name, seconds in (("1.npy", 2), ("2.npy", 4)):
+        copy = shutil.copy(root / name, tmp_path / f"copy of {name}")
+        assert duration(root, tmp_path / copy) == seconds
+
+
+def test_a_file_that_is_not_indexed_yet_is_read_as_its_captions_table_says(root):
+    (root / "captions.csv").write_text("path,fps\nlater.npy,10\n")
+    index(root, bundle=SmallBundle(), jobs=1)
+    assert duration(root, write(root / "later.npy", 3)) == 8
+
+
+def test_a_file_that_names_no_rate_is_read_as_all_others_of_its_skeleton(root, tmp_path):
+    index(root, bundle=SmallBundle(), jobs=1, fps=10)
+    stranger = write(tmp_path / "stranger.npy", 4)
+    assert duration(root, stranger) == 8
+    assert duration(root, stranger, fps=40) == 2
+    (root / "captions.csv").write_text("path,fps\n1.npy,40\n")
+    index(root, bundle=SmallBundle(), jobs=1)
+    assert duration(root, stranger) == 4, "where the others differ, they say nothing"
+
+
+def test_what_is_said_now_goes_before_what_was(root, tmp_path):
+    index(root, bundle=SmallBundle(), jobs=1, fps=10)
+    assert duration(root, shutil.copy(root / "1.npy", tmp_path / "copy.npy")) == 8
+    assert duration(root, tmp_path / "copy.npy", fps=20) == 4
+
+
+def test_content_that_was_read_in_two_ways_says_nothing(root, tmp_path):
+    shutil.copy(root / "1.npy", root / "twin.npy")
+    (root / "captions.csv").write_text("path,fps\n1.npy,40\n")
+    index(root, bundle=SmallBundle(), jobs=1)
+    with Library.open(root) as library:
+        assert recipe_of(library, tmp_path / "nowhere.npy") is None
+        assert recipe_of(library, root / "1.npy").fps == 40
+        assert recipe_of(library, write(tmp_path / "copy.npy", 1)) is None
+
+
+def test_a_motion_is_known_by_its_content_with_its_skeleton(root, tmp_path, mocap):
+    amc = min((mocap / "cmu").rglob("*.amc"), key=lambda file: (file.stat().st_size, file))
+    away = tmp_path / "away"
+    away.mkdir()
+    for folder in (root, away):
+        shutil.copy(amc, folder / "walk.amc")
+        shutil.copy(next(amc.parent.glob("*.asf")), folder / "walk.asf")
+    index(root, bundle=SmallBundle(), jobs=1, fps=30)
+    with Library.open(root) as library:
+        assert recipe_of(library, away / "walk.amc").fps == 30
+        found = library.find("walk").duration
+    assert duration(root, away / "walk.amc") == found
+    assert duration(root, away / "walk.amc", fps=120) == found / 4
