@@ -61,7 +61,7 @@ export const moments = (q, filters, k, offset, signal) => askJson(address("momen
  * Moments of one clip, and how alike it is to the sentence over time.
  * @returns {Promise<{hits: Hit[], curve: {times: number[], similarity: Record<string, number[]>}}>}
  */
-export const momentsIn = (clip, q, k = 8) => askJson(address("moments", { clip, q, k, split: false }));
+export const momentsIn = (clip, q, k) => askJson(address("moments", { clip, q, k, split: false }));
 
 /** @returns {Promise<{sentences: {text: string, score: number}[]}>} */
 export const describe = (clip, start, end, k = 5) => askJson(address("describe", { clip, start, end, k }));

@@ -9,6 +9,7 @@ import { Timeline } from "./timeline.js";
 
 const LONG = 900; // seconds: longer takes come at half the frames
 const COLOURS = 6;
+const [LEAST, MOST] = [8, 200]; // moments a track: one more for each minute of the take
 
 export class Viewer {
   /** @param {import("./stage.js").Stage | null} stage @param {() => boolean} isPlaying whether a clip plays when opened */
@@ -161,12 +162,13 @@ export class Viewer {
   /** Ask what was not yet asked of the clip; each answer is drawn as it comes. @param {import("./state.js").State} state */
   #showTracks(state) {
     const { clip } = this;
+    const count = Math.min(LEAST + Math.floor(this.info.duration / 60), MOST);
     this.sentences = [...new Set([state.q, ...state.ask].filter(Boolean))];
     for (const text of this.sentences) {
       if (this.found.has(text)) continue;
       const blank = { text, times: [], similarity: [], moments: [], note: "looking…" };
       this.found.set(text, blank);
-      api.momentsIn(clip, text).then((answer) => tracked(text, answer), (error) => ({ ...blank, note: error.message }))
+      api.momentsIn(clip, text, count).then((answer) => tracked(text, answer), (error) => ({ ...blank, note: error.message }))
         .then((track) => {
           if (clip !== this.clip) return;
           this.found.set(text, track);

@@ -328,6 +328,8 @@ def test_the_time_line_of_a_long_take_is_zoomed_and_follows_the_head(opened, tmp
     with serving(tmp_path, bundle) as address:
         page = opened("clip=1&q=walks", at=address)
         page.wait_for_selector(".track .moment")
+        asked = page.evaluate("performance.getEntriesByType('resource').map(({ name }) => name)")
+        assert any("moments" in url and "k=12&" in url for url in asked), "eight, and one a minute"
         width = "document.querySelector('.ruler').getBoundingClientRect().width"
         whole = page.evaluate(width)
         page.keyboard.press("+")
