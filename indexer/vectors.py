@@ -125,9 +125,9 @@ class FlatVectors:
 
 
 def _merged(later: list[Part]) -> tuple[Part, ...]:
-    """The same rows in fewer parts, each at least twice as large as the next; all but the last in clusters if large."""
+    """The same rows in parts of which each has a size of more bits than the next; large ones, but the last, clustered."""
     later = [part for part in later if len(part)]
-    while len(later) > 1 and len(later[-2]) < 2 * len(later[-1]):
+    while len(later) > 1 and len(later[-2]).bit_length() <= len(later[-1]).bit_length():
         later[-2:] = [_joined(later[-2:])]
     return (*(_joined([part]) if _is_slow(part) else part for part in later[:-1]), *later[-1:])
 
