@@ -125,7 +125,7 @@ class FlatVectors:
 
 
 def _merged(later: list[Part]) -> tuple[Part, ...]:
-    """The same rows in parts of which each has a size of more bits than the next; large ones, but the last, clustered."""
+    """The same rows in parts, the size of each of more bits than the next; large ones, but the last, in clusters."""
     later = [part for part in later if len(part)]
     while len(later) > 1 and len(later[-2]).bit_length() <= len(later[-1]).bit_length():
         later[-2:] = [_joined(later[-2:])]
