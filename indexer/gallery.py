@@ -42,20 +42,23 @@ class Galleries:
         self._lock = threading.Lock()
         self._held: dict[str, tuple[str, FlatVectors]] = {}
 
-    def current(self, kind: Kind, connection: sqlite3.Connection) -> FlatVectors:
-        """The index of this kind as of now: from memory, else from its file, caught up with what changed since."""
+    def current(self, kind: Kind, connection: sqlite3.Connection, *, often: bool = False) -> FlatVectors:
+        """The index of this kind as of now: from memory, else from its file, caught up with what changed since.
+
+        With `often` it is made ready for many searches; see `FlatVectors.settled`.
+        """
         held = self._held.get(kind.name)
         if held is not None and _state(connection)[:2] == (held[1].generation, held[0]):
             return held[1]
         with self._lock:
             connection.execute("BEGIN")  # one snapshot for all that is read
             try:
-                index = self._refresh(kind, connection)
+                index = self._refresh(kind, connection, often)
             finally:
                 connection.execute("COMMIT")
         return index
 
-    def _refresh(self, kind: Kind, connection: sqlite3.Connection) -> FlatVectors:
+    def _refresh(self, kind: Kind, connection: sqlite3.Connection, often: bool) -> FlatVectors:
         generation, model, model_id, size = _state(connection)
         known, index = self._held.get(kind.name, ("", None))
         if index is None or known != model or index.generation > generation:
@@ -69,6 +72,7 @@ class Galleries:
             added = _rows(connection, kind, model_id, index.generation, size)
             caught_up = index.update(generation, remove=remove, add=added)
             index = caught_up if caught_up.shares_block(index) else self._saved(kind, model, caught_up)
+        index = index.settled() if often else index
         self._held[kind.name] = (model, index)
         return index
 

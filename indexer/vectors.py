@@ -22,8 +22,8 @@ __all__ = ["CLUSTERED_FROM", "FlatVectors", "Found", "Rows", "Vectors", "block_a
 #: Rows from which on a main block is searched by clusters: exact search then costs more than 2 ms a query.
 CLUSTERED_FROM = 80_000
 
-#: Rows from which on what came later has clusters of its own. Those of the main block would not do: what is new is
-#: often unlike what was there, and lies far from all their centres.
+#: Rows from which on what came later has clusters of its own, where many searches are to come. Those of the main block
+#: would not do: what is new is often unlike what was there, and lies far from all their centres.
 LATER_CLUSTERED_FROM = 8192
 
 #: Share of rows that came or went since the main block was made, from which on a new one is made.
@@ -50,9 +50,9 @@ class Vectors(Protocol):
         """
 
 
-def block_of(rows: Rows, clustered_from: int) -> Block:
-    """A block over `rows`: exact, or in clusters where there are many."""
-    return (ClusteredBlock if len(rows) >= clustered_from else Block).of(rows)
+def block_of(rows: Rows) -> Block:
+    """A main block over `rows`: exact, or in clusters where there are very many."""
+    return (ClusteredBlock if len(rows) >= CLUSTERED_FROM else Block).of(rows)
 
 
 def block_around(owners: NDArray[np.int64], spans: NDArray[np.float32], index: Any) -> Block:
@@ -64,8 +64,8 @@ class FlatVectors:
     """Search in a main block, which may lie in a mapped file, and in what came later, as a log-structured merge tree.
 
     What an update adds is a block of its own. Two blocks of about one size become one, so there are few of them, and a
-    row is copied a few times, however many updates there are (O'Neil et al., Acta Informatica 33, 1996). What came
-    last is exact, for whoever opens a library to ask a single question; all else that is large lies in clusters.
+    row is copied a few times, however many updates there are (O'Neil et al., Acta Informatica 33, 1996). They are exact
+    unless many searches are to come: see `settled`.
     """
 
     def __init__(self, generation: int, main: Part | Block, later: tuple[Part, ...] = ()) -> None:
@@ -77,7 +77,7 @@ class FlatVectors:
     @classmethod
     def of(cls, generation: int, rows: Rows) -> FlatVectors:
         """An index over `rows`."""
-        return cls(generation, block_of(rows, CLUSTERED_FROM))
+        return cls(generation, block_of(rows))
 
     @property
     def main(self) -> Block:
@@ -109,6 +109,16 @@ class FlatVectors:
         lost = len(main.block) - len(main)
         return changed if lost + sum(map(len, later)) <= _LOOSE * len(main.block) else changed.compacted()
 
+    def settled(self) -> FlatVectors:
+        """The same with all that is large in clusters, for whoever will search often.
+
+        To find the clusters of some rows takes as long as to compare them with two hundred queries.
+        """
+        if not any(map(_is_slow, self._later)):
+            return self
+        later = (Part(ClusteredBlock.of(part.rows)) if _is_slow(part) else part for part in self._later)
+        return FlatVectors(self.generation, self._main, tuple(later))
+
     def compacted(self) -> FlatVectors:
         """The same with all rows in the main block."""
         compact = not self._later and self._main.kept is None
@@ -125,19 +135,20 @@ class FlatVectors:
 
 
 def _merged(later: list[Part]) -> tuple[Part, ...]:
-    """The same rows in parts, the size of each of more bits than the next; large ones, but the last, in clusters."""
+    """The same rows in parts, the size of each of more bits than that of the next."""
     later = [part for part in later if len(part)]
-    while len(later) > 1 and len(later[-2]).bit_length() <= len(later[-1]).bit_length():
-        later[-2:] = [_joined(later[-2:])]
-    return (*(_joined([part]) if _is_slow(part) else part for part in later[:-1]), *later[-1:])
+    first = max(len(later) - 1, 0)
+    size = sum(map(len, later[first:]))
+    while first and len(later[first - 1]).bit_length() <= size.bit_length():
+        first -= 1
+        size += len(later[first])
+    if len(later) - first < 2:
+        return tuple(later)
+    return (*later[:first], Part(Block.of(Rows.join([part.rows for part in later[first:]]))))
 
 
 def _is_slow(part: Part) -> bool:
     return len(part) >= LATER_CLUSTERED_FROM and not isinstance(part.block, ClusteredBlock)
-
-
-def _joined(parts: list[Part]) -> Part:
-    return Part(block_of(Rows.join([part.rows for part in parts]), LATER_CLUSTERED_FROM))
 
 
 def _best(found: list[Found], k: int) -> Found:

@@ -112,7 +112,7 @@ class ServedLibrary(SearchableLibrary):
         return True
 
     def _look(self) -> Snapshot:
-        clips, windows = (self._galleries.current(kind, self.connection) for kind in (CLIPS, WINDOWS))
+        clips, windows = (self._galleries.current(kind, self.connection, often=True) for kind in (CLIPS, WINDOWS))
         said = self.connection.execute(_SAID).fetchone()
         return Snapshot(min(clips.generation, windows.generation), clips, windows, len(clips), said)
 

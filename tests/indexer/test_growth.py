@@ -57,7 +57,7 @@ def grown(index, batches=LATER, *, loose=10.0):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(vectors, "_LOOSE", loose)
         for i, rows in enumerate(added):
-            index = index.update(i + 2, remove=np.unique(rows.owners), add=rows)
+            index = index.update(i + 2, remove=np.unique(rows.owners), add=rows).settled()
     return index, Rows.join(added)
 
 
@@ -80,7 +80,7 @@ def test_a_row_is_touched_a_few_times_however_many_updates_there_are(small_limit
     touched.clear()
     grown(index)
     assert max(touched) <= LATER * BATCH  # never the library
-    assert sum(touched) <= LATER * BATCH * (2 + np.log2(LATER))
+    assert sum(touched) <= LATER * BATCH * (1 + np.log2(LATER))
 
 
 def test_few_parts_are_searched_and_all_that_are_large_are_in_clusters(small_limits):
@@ -106,6 +106,16 @@ def test_what_was_added_to_clusters_is_found_as_what_was_there_before(small_limi
     assert found >= before - 0.01 > 0.9
     own = added.vectors[::100].astype(np.float32)
     np.testing.assert_array_equal(index.search(own, 1)[1][:, 0], added.owners[::100])
+
+
+def test_what_came_is_exact_until_many_searches_are_to_come(small_limits):
+    new = some_rows(8 * BATCH, 50_000, seed=3)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(vectors, "_LOOSE", 1.0)
+        index = FlatVectors.of(1, some_rows(FIRST, 1, seed=0)).update(2, remove=np.empty(0, np.int64), add=new)
+    assert [type(part.block) for part in index._later] == [Block]
+    assert [type(part.block) for part in index.settled()._later] == [ClusteredBlock]
+    assert index.settled().settled()._later[0].block.index.ntotal == len(new)
 
 
 @pytest.mark.parametrize("limits", ["exact", "clusters"])
