@@ -95,9 +95,9 @@ def dense(seconds: float = 600.0, alone: int = 200) -> None:
 def _from_everything(
     bundle: Bundle, features: NDArray[np.float32], queries: NDArray[np.float32], i: int, full: list[Scored]
 ) -> Moment:
-    """The answer where every window is a candidate and 150 places are looked at closely."""
+    """The answer where every window is a candidate."""
     scored = [Scored(s.starts, s.ends, s.scores[i : i + 1]) for s in full]
-    return localise(bundle, features, bundle.fps, queries[i : i + 1], 50, coarse=scored)[0]
+    return localise(bundle, features, bundle.fps, queries[i : i + 1], 1, coarse=scored)[0]
 
 
 def memory(seconds: float = 7200.0) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from itertools import islice
 from typing import TypeAlias
 
 import numpy as np
@@ -10,16 +12,17 @@ from numpy.typing import NDArray
 
 from encoders.bundle import Bundle
 from search.dense import Vectors
-from search.evidence import Evidence, WindowGallery, best_spans
-from search.moments import OVERLAP, Moment, overlap, sharpen, usual_level
+from search.evidence import Evidence, WindowGallery, spans_in_order
+from search.moments import Moment, sharpen, unknown, usual_level
+from search.rounds import rounds
 from search.source import Source
 from search.takes import coarse_windows, region_of
 
 #: A clip's id and a moment of it.
 Located: TypeAlias = "tuple[int, Moment]"
 
-#: Places named by windows, at most, for each answer asked for.
-_PLACES = 4
+#: Places looked at closely in a round, and takes held for the next one: features of a take are computed once.
+_ROUND, _HELD = 12, 48
 
 
 def best_moments(
@@ -31,7 +34,7 @@ def best_moments(
     *,
     allowed: NDArray[np.int64] | None = None,
 ) -> list[Located]:
-    """The k best moments of all clips, best first.
+    """The first k, at most, of `rank`: the best moments of all clips.
 
     Parameters
     ----------
@@ -44,12 +47,24 @@ def best_moments(
     allowed : sorted int64 array, optional
         The clips to choose from.
     """
-    places = best_spans(gallery, queries[0], _PLACES * k, allowed=allowed)
+    return list(islice(rank(bundle, gallery, source_of, queries, allowed=allowed), k))
+
+
+def rank(
+    bundle: Bundle,
+    gallery: WindowGallery,
+    source_of: Callable[[int], Source],
+    queries: Vectors,
+    *,
+    allowed: NDArray[np.int64] | None = None,
+) -> Iterator[Located]:
+    """The moments of all clips, best first within each round of places; see `best_moments`."""
+    held = lru_cache(_HELD)(source_of)
     found: list[Located] = []
-    while places and len(found) < k:  # places side by side may turn out to be one
-        found += _sharpened(bundle, source_of, places[:k], queries, found)
-        places = places[k:]
-    return sorted(found, key=lambda entry: -entry[1].score)[:k]
+    for places in rounds(spans_in_order(gallery, queries[0], allowed=allowed), _ROUND):
+        new = sorted(_sharpened(bundle, held, places, queries, found), key=lambda entry: -entry[1].score)
+        found += new
+        yield from new
 
 
 def _sharpened(
@@ -65,7 +80,7 @@ def _sharpened(
         source = source_of(clip_id)
         level = usual_level(bundle, coarse_windows(bundle, source, queries), queries)
         here = [Moment(p.start or 0.0, p.end or 0.0, p.score) for p in places if p.clip_id == clip_id]
-        near = sharpen(bundle, region_of(bundle, source), bundle.fps, queries, here, level, len(here))
+        near = sharpen(bundle, region_of(bundle, source), bundle.fps, queries, here, level)
         taken = [moment for clip, moment in known if clip == clip_id]
-        found += [(clip_id, m) for m in near if not any(overlap(m, other) > OVERLAP for other in taken)]
+        found += [(clip_id, moment) for moment in unknown(near, taken)]
     return found

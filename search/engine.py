@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 from os import PathLike
 from typing import Any, TypeAlias
 
@@ -16,12 +17,13 @@ from indexer.clips import Clip
 from indexer.library import Library
 from search.anywhere import best_moments
 from search.dense import Vectors
-from search.evidence import Evidence, best_evidence, likeliest
+from search.evidence import Evidence, best_evidence, likeliest_in_order
 from search.filters import Filters
 from search.hits import Hit, Hits, Step
 from search.likeness import LONGEST, LOOKED_AT, likeness
 from search.moments import Moment
 from search.question import Question
+from search.rounds import rounds
 from search.source import Source, find_clip, find_source
 from search.strength import judge
 from search.takes import caption, describe_motion, find, moments_in
@@ -30,8 +32,8 @@ Ref: TypeAlias = "str | PathLike[str] | Motion | Source"
 Ids = NDArray[np.int64]
 Located = tuple[int, Moment, tuple[Step, ...]]
 
-#: Clips asked by themselves when several sentences are asked of the whole library, for each answer asked for.
-_ASKED = 2
+#: Clips asked by themselves in a round when several sentences are asked of the whole library, and answers of each.
+_ROUND, _OF_EACH = 20, 10
 #: The shortest cut that can be asked for, in seconds.
 _SHORTEST_CUT = 0.5
 
@@ -189,7 +191,7 @@ class SearchableLibrary(Library):
         found = (
             self._best_moments(queries, k, allowed)
             if question.how == "alone"
-            else self._best_answers(question, queries, k, allowed)
+            else list(islice(self._answers(question, queries, allowed), k))
         )
         clips = self.clips([clip_id for clip_id, *_ in found])
         strengths = judge(self.bundle, queries.mean(axis=0), [moment.height for _, moment, _ in found], asked=asked)
@@ -207,14 +209,15 @@ class SearchableLibrary(Library):
         found = best_moments(self.bundle, self, source_of, queries, k, allowed=allowed)
         return [(clip_id, moment, ()) for clip_id, moment in found]
 
-    def _best_answers(self, question: Question, queries: Vectors, k: int, allowed: Ids | None) -> list[Located]:
-        """The clips in which all sentences are likely, each asked by itself."""
-        found: list[Located] = [
-            (clip.id, moment, steps)
-            for clip in self.clips(likeliest(self, queries, _ASKED * k, allowed=allowed)).values()
-            for moment, steps in find(self.bundle, Source.of_clip(self, clip), question, queries, k)
-        ]
-        return sorted(found, key=lambda entry: -entry[1].score)[:k]
+    def _answers(self, question: Question, queries: Vectors, allowed: Ids | None) -> Iterator[Located]:
+        """Answers in the clips in which all sentences are likely, each clip asked by itself."""
+        for ids in rounds(likeliest_in_order(self, queries, allowed=allowed), _ROUND):
+            found: list[Located] = [
+                (clip.id, moment, steps)
+                for clip in self.clips(ids).values()
+                for moment, steps in find(self.bundle, Source.of_clip(self, clip), question, queries, _OF_EACH)
+            ]
+            yield from sorted(found, key=lambda entry: -entry[1].score)
 
     def _hit(self, rank: int, clip: Clip, moment: Moment, strength: str, steps: tuple[Step, ...] = ()) -> Hit:
         end = min(moment.end, clip.duration)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import Protocol
 
 import numpy as np
@@ -10,7 +12,7 @@ from numpy.typing import NDArray
 
 from indexer.library import Library
 from search.moments import OVERLAP, fitness
-from search.spans import suppress
+from search.spans import best_first, iou
 
 Vectors = NDArray[np.float32]
 
@@ -20,6 +22,10 @@ WINDOW_MARGIN = 0.02
 #: Windows fetched for each clip asked for, doubled until they name enough clips.
 _PER_CLIP = 16
 _MOST_WINDOWS = 16384
+#: Windows fetched first where spans are wanted; four times as many whenever they have run out.
+_FIRST_WINDOWS = 640
+#: Clips named first where all that answer several sentences are wanted; as above.
+_FIRST_CLIPS = 20
 
 
 class WindowGallery(Protocol):
@@ -89,24 +95,67 @@ def likeliest(library: Library, queries: Vectors, k: int, *, allowed: NDArray[np
     return sorted(totals, key=lambda clip: -totals[clip])[:k]
 
 
-def best_spans(
-    gallery: WindowGallery, query: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
-) -> list[Evidence]:
-    """The k best windows of all clips for a unit vector (D,) of which no two overlap, best first."""
-    if k < 1 or len(gallery) == 0 or (allowed is not None and len(allowed) == 0):
-        return []
-    count = _PER_CLIP * k
+def likeliest_in_order(
+    library: Library, queries: Vectors, *, allowed: NDArray[np.int64] | None = None
+) -> Iterator[int]:
+    """The clips of `likeliest`, as many as are asked for, in an order that does not depend on how many."""
+    given: set[int] = set()
+    count = _FIRST_CLIPS
+    while True:
+        named = [clip for clip in likeliest(library, queries, count, allowed=allowed) if clip not in given]
+        yield from named
+        given.update(named)
+        if len(given) < count:
+            return
+        count *= 4
+
+
+def spans_in_order(
+    gallery: WindowGallery, query: Vectors, *, allowed: NDArray[np.int64] | None = None
+) -> Iterator[Evidence]:
+    """The best windows of all clips for a unit vector (D,) of which no two overlap, best first, as long as one asks.
+
+    The best of few fetched windows come first, then what more fetched ones add: the order does not depend on how many
+    are asked for.
+    """
+    if len(gallery) == 0 or (allowed is not None and len(allowed) == 0):
+        return
+    given: list[Evidence] = []
+    count = _FIRST_WINDOWS
     while True:
         scores, ids, starts, ends = (a[0] for a in gallery.nearest_windows(query[None], count, allowed=allowed))
         real = ids >= 0
-        value = fitness(scores[real], ends[real] - starts[real])
-        # One time line for all clips, far enough apart that spans of different clips never overlap.
-        shift = np.unique(ids[real], return_inverse=True)[1] * (float(ends[real].max(initial=0.0)) + 1.0)
-        kept = suppress(starts[real] + shift, ends[real] + shift, value, k, overlap=OVERLAP)
-        if len(kept) >= k or real.sum() < count or count >= _MOST_WINDOWS:
-            break
+        for evidence in _apart(scores[real], ids[real], starts[real], ends[real], given):
+            given.append(evidence)
+            yield evidence
+        if real.sum() < count or count >= _MOST_WINDOWS:
+            return
         count *= 4
-    return [Evidence(int(ids[i]), float(scores[i]), float(starts[i]), float(ends[i])) for i in kept]
+
+
+def best_spans(
+    gallery: WindowGallery, query: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
+) -> list[Evidence]:
+    """The first k, at most, of `spans_in_order`."""
+    return list(islice(spans_in_order(gallery, query, allowed=allowed), k))
+
+
+def _apart(
+    scores: Vectors, ids: NDArray[np.int64], starts: Vectors, ends: Vectors, given: list[Evidence]
+) -> Iterator[Evidence]:
+    """The windows that overlap none of those given and no better one, best first."""
+    # One time line for all clips, far enough apart that spans of different clips never overlap.
+    length = float(max([ends.max(initial=0.0), *(e.end or 0.0 for e in given)])) + 1.0
+    shifts = ids.astype(np.float64) * length
+    begin, end = starts + shifts, ends + shifts
+    free = np.ones(len(ids), bool)
+    for e in given:
+        shift = e.clip_id * length
+        free &= iou(begin, end, (e.start or 0.0) + shift, (e.end or 0.0) + shift) <= OVERLAP
+    left = np.flatnonzero(free)
+    value = fitness(scores[left], (ends - starts)[left])
+    for i in map(left.__getitem__, best_first(begin[left], end[left], value, overlap=OVERLAP)):
+        yield Evidence(int(ids[i]), float(scores[i]), float(starts[i]), float(ends[i]))
 
 
 def _best_windows(library: Library, query: Vectors, k: int, allowed: NDArray[np.int64] | None) -> list[Evidence]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +12,13 @@ from numpy.typing import NDArray
 from indexer import windows
 from search.dense import Encoder, Scored, Vectors, join, score_windows
 from search.refine import STRIDE, frame_curve, grow
-from search.spans import iou, suppress
+from search.rounds import rounds
+from search.spans import best_first, iou
 
 #: Answers overlap by at most this intersection over union.
 OVERLAP = 0.3
-#: Places looked at closely for each answer asked for, and at least.
-_PLACES, _LEAST_PLACES = 3, 8
+#: Places looked at closely in a round.
+_ROUND = 30
 #: What doubling a window's length is worth in cosine, when places are proposed and when answers are ranked: a window
 #: inside a long action scores like the whole of it.
 _PLACE_BONUS, _ANSWER_BONUS = 0.03, 0.02
@@ -61,12 +63,11 @@ def fitness(scores: NDArray[np.floating], seconds: NDArray[np.floating]) -> NDAr
     return np.asarray(scores + _PLACE_BONUS * np.log2(np.maximum(seconds, 0.1)), np.float64)
 
 
-def propose(coarse: Scored, k: int) -> list[Moment]:
-    """Places worth a close look for k answers: the best windows that overlap no better one, best first."""
+def propose(coarse: Scored) -> Iterator[Moment]:
+    """Places worth a close look: the windows that overlap no better one, best first."""
     scores = coarse.scores.min(axis=0)
-    count = max(_PLACES * k, _LEAST_PLACES)
-    kept = suppress(coarse.starts, coarse.ends, fitness(scores, coarse.lengths), count, overlap=OVERLAP)
-    return [Moment(float(coarse.starts[i]), float(coarse.ends[i]), float(scores[i])) for i in kept]
+    for i in best_first(coarse.starts, coarse.ends, fitness(scores, coarse.lengths), overlap=OVERLAP):
+        yield Moment(float(coarse.starts[i]), float(coarse.ends[i]), float(scores[i]))
 
 
 def usual_level(encoder: Encoder, coarse: Sequence[Scored], queries: Vectors) -> float:
@@ -82,9 +83,9 @@ def usual_level(encoder: Encoder, coarse: Sequence[Scored], queries: Vectors) ->
 
 
 def sharpen(
-    encoder: Encoder, region: Region, fps: float, queries: Vectors, places: Sequence[Moment], level: float, k: int
+    encoder: Encoder, region: Region, fps: float, queries: Vectors, places: Sequence[Moment], level: float
 ) -> list[Moment]:
-    """The best moments near proposed places, best first.
+    """The moments near proposed places, best first.
 
     Parameters
     ----------
@@ -102,7 +103,30 @@ def sharpen(
         found += _grown(encoder, region, fps, queries, level, start, end, inside)
     starts, ends, scores = (np.array([getattr(m, name) for m in found]) for name in ("start", "end", "score"))
     value = scores + _ANSWER_BONUS * np.log2(np.maximum(ends - starts, 0.1))
-    return [found[i] for i in suppress(starts, ends, value, k, overlap=OVERLAP)]
+    return [found[i] for i in best_first(starts, ends, value, overlap=OVERLAP)]
+
+
+def rank(
+    encoder: Encoder, region: Region, fps: float, queries: Vectors, coarse: Scored, level: float
+) -> Iterator[Moment]:
+    """The moments of a take, best first within each round of places; see `sharpen`.
+
+    Parameters
+    ----------
+    coarse : Scored
+        The windows that propose places, compared with the queries.
+    """
+    known: list[Moment] = []
+    for places in rounds(propose(coarse), _ROUND):
+        found = unknown(sharpen(encoder, region, fps, queries, places, level), known)
+        known += found
+        yield from found
+
+
+def unknown(found: Sequence[Moment], known: Sequence[Moment]) -> list[Moment]:
+    """The moments that overlap none of those known."""
+    starts, ends = [m.start for m in known], [m.end for m in known]
+    return [m for m in found if iou(starts, ends, m.start, m.end).max(initial=0.0) <= OVERLAP]
 
 
 def localise(
@@ -131,12 +155,8 @@ def localise(
     """
     coarse = coarse or score_take(encoder, features, fps, queries)
     level = usual_level(encoder, coarse, queries)
-    return sharpen(encoder, lambda start, end: (features, 0.0), fps, queries, propose(join(coarse), k), level, k)
-
-
-def overlap(a: Moment, b: Moment) -> float:
-    """Intersection over union of two spans."""
-    return float(iou([a.start], [a.end], b.start, b.end)[0])
+    ranked = rank(encoder, lambda start, end: (features, 0.0), fps, queries, join(coarse), level)
+    return list(islice(ranked, k))
 
 
 def stretch(region: Region, fps: float, start: float, end: float) -> tuple[Vectors, float]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import islice
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -23,27 +26,28 @@ def iou(starts: ArrayLike, ends: ArrayLike, start: float, end: float) -> NDArray
     return np.asarray(shared / np.maximum(union, 1e-9), dtype=np.float64)
 
 
-def suppress(starts: ArrayLike, ends: ArrayLike, scores: ArrayLike, k: int, *, overlap: float) -> NDArray[np.int64]:
-    """Temporal non-maximum suppression: the best spans that overlap no better one.
+def best_first(starts: ArrayLike, ends: ArrayLike, scores: ArrayLike, *, overlap: float) -> Iterator[int]:
+    """Temporal non-maximum suppression: the spans that overlap no better one, one by one, best first.
 
     Parameters
     ----------
     starts, ends, scores : array-like (N,)
-    k : int
-        At most so many.
     overlap : float
         Spans with a larger intersection over union with a better one are dropped.
 
-    Returns
-    -------
-    int64 array (at most k,)
-        Indices, best first.
+    Yields
+    ------
+    int
+        Indices.
     """
     starts, ends = np.asarray(starts, np.float64), np.asarray(ends, np.float64)
     order = np.argsort(-np.asarray(scores), kind="stable")
-    kept: list[int] = []
-    while len(order) and len(kept) < k:
+    while len(order):
         best, order = int(order[0]), order[1:]
-        kept.append(best)
+        yield best
         order = order[iou(starts[order], ends[order], starts[best], ends[best]) <= overlap]
-    return np.array(kept, dtype=np.int64)
+
+
+def suppress(starts: ArrayLike, ends: ArrayLike, scores: ArrayLike, k: int, *, overlap: float) -> NDArray[np.int64]:
+    """The first k, at most, of `best_first`: int64 array."""
+    return np.array(list(islice(best_first(starts, ends, scores, overlap=overlap), k)), dtype=np.int64)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from search.chains import best_chain, candidates, sharpen_chain, whole
 from search.dense import Scored, Vectors, curve, join
 from search.hits import Hit, Hits, Step
 from search.hubs import nearness
-from search.moments import Moment, Region, propose, score_stored, sharpen, usual_level
+from search.moments import Moment, Region, rank, score_stored, usual_level
 from search.question import Question
 from search.refine import frame_curve
 from search.source import Source
@@ -51,8 +52,8 @@ def find(bundle: Bundle, source: Source, question: Question, queries: Vectors, k
     coarse, region = coarse_windows(bundle, source, queries), region_of(bundle, source)
     if question.how != "then":
         level = usual_level(bundle, coarse, queries)
-        places = propose(join(coarse), k)
-        return [(m, ()) for m in sharpen(bundle, region, bundle.fps, queries, places, level, k)]
+        ranked = rank(bundle, region, bundle.fps, queries, join(coarse), level)
+        return [(moment, ()) for moment in islice(ranked, k)]
     is_long = source.duration > LONG
     chain = best_chain(join(coarse) if is_long else candidates(bundle, source.features(bundle), bundle.fps, queries))
     if not chain:

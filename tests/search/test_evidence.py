@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from search.evidence import WINDOW_MARGIN, Evidence, best_evidence, best_spans, likeliest
+from search.evidence import WINDOW_MARGIN, Evidence, best_evidence, best_spans, likeliest, likeliest_in_order
 
 QUERY = np.array([1.0, 0.0], np.float32)
 
@@ -84,6 +84,21 @@ def test_spans_of_one_clip_do_not_overlap_and_those_of_others_may() -> None:
     gallery = Gallery({1: 0, 2: 0}, [(1, 0, 2, 0.9), (1, 0.5, 2.5, 0.8), (1, 10, 12, 0.7), (2, 0.5, 2.5, 0.6)])
     found = best_spans(gallery, QUERY, 5)  # type: ignore[arg-type]
     assert [(e.clip_id, e.start) for e in found] == [(1, 0), (1, 10), (2, 0.5)]
+
+
+def test_the_first_spans_do_not_depend_on_how_many_are_asked_for() -> None:
+    crowd = [(1, i * 0.01, i * 0.01 + 2, 0.9 - i * 1e-4) for i in range(700)]  # fills the first fetch with few spans
+    others = [(2 + i % 7, i * 3.0, i * 3.0 + 2, 0.7 - i * 1e-3) for i in range(100)]
+    gallery = Gallery(dict.fromkeys(range(1, 9), 0.0), crowd + others)
+    many = best_spans(gallery, QUERY, 200)  # type: ignore[arg-type]
+    assert {e.clip_id for e in many} == set(range(1, 9))
+    for k in (1, 5, 20, 90):
+        assert best_spans(gallery, QUERY, k) == many[:k]  # type: ignore[arg-type]
+
+
+def test_every_likely_clip_comes_once() -> None:
+    gallery = Gallery(dict.fromkeys(range(50), 0.0), [(i, 0, 2, 0.9 - i / 100) for i in range(50)])
+    assert list(likeliest_in_order(gallery, QUERY[None])) == list(range(50))  # type: ignore[arg-type]
 
 
 def test_the_clips_most_likely_to_answer_several_sentences() -> None:

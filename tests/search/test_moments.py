@@ -51,6 +51,14 @@ def test_answers_do_not_overlap() -> None:
         assert all(_overlap(a, b.start, b.end) <= 0.3 + 1e-9 for b in found[i + 1 :])
 
 
+def test_the_first_answers_do_not_depend_on_how_many_are_asked_for() -> None:
+    features = take(400, *((float(at), at + 3.0, 1) for at in range(5, 395, 12)))
+    many = localise(MeanEncoder(), features, FPS, query(1), 60)
+    assert len(many) == 60, "more than one round of places"
+    for k in (1, 7, 31, 45):
+        assert localise(MeanEncoder(), features, FPS, query(1), k) == many[:k]
+
+
 def test_things_at_the_same_time_are_found_where_both_happen() -> None:
     features = take(40, (5, 12, 1), (9, 20, 2))
     best = localise(MeanEncoder(), features, FPS, query(1, 2), 1)[0]

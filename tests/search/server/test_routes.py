@@ -47,17 +47,28 @@ def test_search_goes_on_where_it_stopped(ask):
 @pytest.mark.parametrize(
     ("route", "given"),
     [
-        ("similar", {"start": 1, "end": 3}),
+        ("similar", {}),
         ("similar", {"moments": True}),
+        ("similar", {"start": 1, "end": 3, "moments": True}),
         ("moments", {"q": "waves"}),
+        ("moments", {"q": "waves", "clip": LONG}),
+        ("moments", {"q": "walks", "while": "waves"}),
+        ("moments", {"q": "walks, then waves"}),
     ],
 )
-def test_what_is_alike_and_moments_go_on_where_they_stopped(ask, number, route, given):
-    of = {"clip": number(LONG)} if route == "similar" else {}
-    parts = [ask(f"/api/{route}", k=1, offset=offset, **given, **of)["hits"] for offset in (0, 1, 2)]
+def test_pages_of_what_is_alike_and_of_moments_make_up_one_ranking(ask, number, route, given):
+    of = {"clip": number(LONG)} if route == "similar" or "clip" in given else {}
+    whole = ask(f"/api/{route}", k=50, **given | of)["hits"]
+    parts = [ask(f"/api/{route}", k=2, offset=offset, **given | of)["hits"] for offset in range(0, len(whole), 2)]
+    assert [hit for part in parts for hit in part] == whole
+    assert len({(hit["path"], hit["start"], hit["end"]) for hit in whole}) == len(whole) > 0
+
+
+def test_what_is_like_a_cut_goes_on_where_it_stopped(ask, number):
+    of = {"clip": number(LONG), "start": 1, "end": 3}
+    parts = [ask("/api/similar", k=1, offset=offset, **of)["hits"] for offset in (0, 1, 2)]
     assert [hit["rank"] for part in parts for hit in part] == [1, 2, 3]
-    if "start" in given:  # clips; a moment may be found more exactly where more are asked for
-        assert len({hit["path"] for part in parts for hit in part}) == 3
+    assert len({hit["path"] for part in parts for hit in part}) == 3
 
 
 @pytest.mark.parametrize(
