@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,9 +76,9 @@ class Figure:
         bones = [self.bone(f"{s}_{a}", f"{s}_{b}") for s in SIDES for a, b in (("hip", "knee"), ("knee", "ankle"))]
         return float(sum(np.median(np.linalg.norm(bone, axis=-1)) for bone in bones) / 2)
 
-    def points(self) -> Array:
-        """All landmarks as (T, L, 3)."""
-        return np.stack(list(self.marks.values()), axis=1)
+    def points(self, names: Iterable[str] | None = None) -> Array:
+        """Landmarks as (T, L, 3): all, or those named."""
+        return np.stack([self.marks[name] for name in names or self.marks], axis=1)
 
 
 def _is_one(a: Array, b: Array) -> bool:

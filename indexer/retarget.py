@@ -117,8 +117,9 @@ def frames_before_movement(figure: Figure, rest: Figure, rate: float) -> int:
     """
     size = max(figure.leg_length(), 1e-9)
     opening = figure[: round(rate) + 2]
-    shapes = (opening.points() - opening.middle("hip")[:, None]) / size
-    at_rest = (rest.points() - rest.middle("hip")[:, None]) / size
+    both = [name for name in figure.marks if name in rest.marks]  # toes may be known in one alone
+    shapes = (opening.points(both) - opening.middle("hip")[:, None]) / size
+    at_rest = (rest.points(both) - rest.middle("hip")[:, None]) / size
     posed = np.linalg.norm(shapes - shapes[:1], axis=-1).mean(axis=-1) < _STILL
     count = len(posed) if posed.all() else int(posed.argmin())
     speed = np.linalg.norm(np.diff(shapes, axis=0), axis=-1).mean(axis=-1) * rate

@@ -169,3 +169,12 @@ def _random_body(rng: np.random.Generator) -> np.ndarray:
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def test_a_t_pose_before_the_movement_is_dropped_where_no_rest_pose_is_known() -> None:
+    """A file of joints: four frames of T-pose, then all limbs at once are elsewhere."""
+    rng = np.random.default_rng(1)
+    limbs = 0.25 * rng.normal(size=(1, 22, 3))
+    limbs[:, [0, 1, 2]] = 0
+    moving = np.concatenate([np.zeros(4), np.ones(8)])[:, None, None] * limbs
+    assert len(retarget(joints_take(_random_body(rng)[:1] + moving, 20), path="x.npy")) == 8
