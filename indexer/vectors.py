@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from indexer.blocks import Block, Found, Part, Rows
 from indexer.clustered import ClusteredBlock
+from indexer.remembered import Remembering
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -110,14 +111,13 @@ class FlatVectors:
         return changed if lost + sum(map(len, later)) <= _LOOSE * len(main.block) else changed.compacted()
 
     def settled(self) -> FlatVectors:
-        """The same with all that is large in clusters, for whoever will search often.
+        """The same for whoever will search often: all that is large in clusters, and the main block's answers held.
 
         To find the clusters of some rows takes as long as to compare them with two hundred queries.
         """
-        if not any(map(_is_slow, self._later)):
-            return self
-        later = (Part(ClusteredBlock.of(part.rows)) if _is_slow(part) else part for part in self._later)
-        return FlatVectors(self.generation, self._main, tuple(later))
+        main = self._main if isinstance(self._main, Remembering) else Remembering(self._main.block, self._main.kept)
+        later = tuple(Part(ClusteredBlock.of(part.rows)) if _is_slow(part) else part for part in self._later)
+        return FlatVectors(self.generation, main, later)
 
     def compacted(self) -> FlatVectors:
         """The same with all rows in the main block."""

@@ -187,3 +187,24 @@ def test_the_rows_of_owners_are_found(order):
         got = np.sort(block.rows_of(np.array(wanted, np.int64)))
         np.testing.assert_array_equal(got, np.flatnonzero(np.isin(owners, list(wanted))))
     assert len(Part(block).without(np.array([4, 5]))) == 144
+
+
+def test_who_searches_often_has_the_main_block_searched_once(monkeypatch):
+    """The same answers, before and after it grew and lost clips, and none from what was there no more."""
+    searched = []
+    search = Block.search
+    monkeypatch.setattr(Block, "search", lambda block, *given: searched.append(len(block)) or search(block, *given))
+    plain = FlatVectors.of(1, some_rows(5000, 0, seed=0))
+    often, query = plain.settled(), some_rows(1, 0, seed=9).vectors.astype(np.float32)
+    first, again = (often.search(query, 10) for _ in range(2))
+    assert searched == [5000]
+    added, gone = some_rows(BATCH, 10_000, seed=1), np.unique(first[1])
+    grown, shrunk = (often.update(2, remove=gone[:n], add=added).settled() for n in (0, len(gone)))
+    assert searched == [5000]
+    for index, removed in ((grown, gone[:0]), (shrunk, gone)):
+        exact = plain.update(2, remove=removed, add=added)
+        for got, wanted in zip(index.search(query, 10), exact.search(query, 10), strict=True):
+            np.testing.assert_array_equal(got, wanted)
+    assert not set(shrunk.search(query, 10)[1][0]) & set(gone)
+    for got, wanted in zip(again, plain.search(query, 10), strict=True):
+        np.testing.assert_array_equal(got, wanted)
