@@ -1,4 +1,4 @@
-"""Fit what a bundle needs to judge its own hits: background motions, and two logistic curves."""
+"""Fit what a bundle needs to judge its own hits: background motions, known words, and two logistic curves."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from encoders.bundle import Bundle
 from encoders.corpus.made import Made, true_of
 from encoders.corpus.real import CaptionedTake
 from search import strength
+from search.lexicon import lexicon
 from search.query import encode_queries
+from search.vocabulary import vocabulary
 
 _HITS = 10
 
@@ -36,12 +38,16 @@ def calibrate(
     Returns
     -------
     dict
-        "motions" float16 (M, D); "sentence_coefficients" and "motion_coefficients" float64 (3,).
+        "motions" float16 (M, D); "words" str (W,), sorted, of the clips' sentences and the shipped vocabulary;
+        "sentence_coefficients" and "motion_coefficients" float64 (3,). The curve for sentences is fitted to those that
+        their words do not make doubtful.
     """
+    words = lexicon([*vocabulary(), *(caption for clip in (*background, *asked) for caption in clip.captions)])
     motions = bundle.encode_features([clip.features[: bundle.max_frames] for clip in background]).astype(np.float16)
     gallery = bundle.encode_features([clip.features[: bundle.max_frames] for clip in asked])
     sentences = encode_queries(bundle, [clip.captions[0] for clip in asked])
-    nothing = encode_queries(bundle, unrelated)
+    trusted = [sentence for sentence in unrelated if not strength.is_doubtful(sentence, words)]
+    nothing = encode_queries(bundle, trusted) if trusted else sentences[:0]
     evidence, truth = _top_hits(
         np.concatenate([sentences, nothing]),
         gallery,
@@ -58,6 +64,7 @@ def calibrate(
     near, same = _top_hits(gallery, gallery, alike, motions, skip_self=True)
     return {
         "motions": motions,
+        "words": words,
         "sentence_coefficients": strength.fit(evidence, truth),
         "motion_coefficients": strength.fit(near, same),
     }

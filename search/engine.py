@@ -25,7 +25,7 @@ from search.moments import Moment
 from search.question import Question
 from search.rounds import rounds
 from search.source import Source, find_clip, find_source
-from search.strength import judge
+from search.strength import judge, temper_hits
 from search.takes import caption, describe_motion, find, moments_in
 
 Ref: TypeAlias = "str | PathLike[str] | Motion | Source"
@@ -54,7 +54,8 @@ class SearchableLibrary(Library):
             If the sentence is empty or a filter makes no sense.
         """
         query = Question.of(text, split_steps=False).encode(self.bundle)[0]
-        return self._clip_hits(query, k, self.allowed(**filters), asked="sentence")
+        found = self._clip_hits(query, k, self.allowed(**filters), asked="sentence")
+        return temper_hits(self.bundle, (text,), found)
 
     def moments(
         self,
@@ -89,7 +90,7 @@ class SearchableLibrary(Library):
         if ref is not None:
             return moments_in(self.bundle, self.source(ref), question, k)
         queries, allowed = question.encode(self.bundle), self.allowed(**filters)
-        return self._moment_hits(question, queries, k, allowed)
+        return temper_hits(self.bundle, question.sentences, self._moment_hits(question, queries, k, allowed))
 
     def describe(self, ref: Ref, k: int = 5) -> list[tuple[str, float]]:
         """The sentences that fit a motion best: the library's captions and the shipped vocabulary."""

@@ -3,22 +3,30 @@
 No fixed score separates right from wrong: how high unrelated motion scores depends on the query. So the bundle
 carries background motions, and a hit is judged by its score and by how far it stands above what the background
 scores for the same query. Two numbers go through a logistic curve that was fitted on validation queries, nonsense
-among them.
+among them. What a sentence is made of counts beside: near a motion by its vector alone, one in words that nobody uses
+of motion is called a degree less.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from encoders.bundle import Bundle
+from search.hits import Hit, Hits
+from search.lexicon import Words, foreign_share
 
 STRONG, PLAUSIBLE, WEAK = "strong", "plausible", "weak"
 
 #: Chance of being right from which a hit is called strong, and plausible.
 _STRONG_FROM, _PLAUSIBLE_FROM = 0.6, 0.2
+
+#: Share of words foreign to descriptions of motion from which a sentence is doubted.
+_FOREIGN = 0.5
+_LESS = {STRONG: PLAUSIBLE, PLAUSIBLE: WEAK}
 
 
 def evidence(query: ArrayLike, scores: ArrayLike, background: ArrayLike) -> NDArray[np.float64]:
@@ -73,6 +81,28 @@ def judge(bundle: Bundle, query: ArrayLike, scores: ArrayLike, *, asked: str = "
         return [""] * len(s)
     right = chance(evidence(query, s, calibration["motions"]), calibration[f"{asked}_coefficients"])
     return [STRONG if p >= _STRONG_FROM else PLAUSIBLE if p >= _PLAUSIBLE_FROM else WEAK for p in right]
+
+
+def is_doubtful(sentence: str, words: Words) -> bool:
+    """Whether half of a sentence or more is foreign to the sorted words (W,) in which motion is described."""
+    return foreign_share(sentence, words) >= _FOREIGN
+
+
+def temper(bundle: Bundle, sentences: Sequence[str], strengths: Sequence[str]) -> list[str]:
+    """Strengths of answers to sentences, each a degree less where one of these is doubtful.
+
+    A bundle whose calibration holds no "words" doubts nothing.
+    """
+    words = (bundle.calibration or {}).get("words")
+    if words is None or not any(is_doubtful(sentence, words) for sentence in sentences):
+        return list(strengths)
+    return [_LESS.get(strength, strength) for strength in strengths]
+
+
+def temper_hits(bundle: Bundle, sentences: Sequence[str], hits: Sequence[Hit]) -> Hits:
+    """Hits with strengths as `temper` has them."""
+    tempered = temper(bundle, sentences, [hit.strength for hit in hits])
+    return Hits(replace(hit, strength=strength) for hit, strength in zip(hits, tempered, strict=True))
 
 
 def fit(evidence: ArrayLike, right: ArrayLike, *, rounds: int = 50, penalty: float = 1e-3) -> NDArray[np.float64]:

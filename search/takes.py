@@ -21,7 +21,7 @@ from search.moments import Moment, Region, rank, score_stored, usual_level
 from search.question import Question
 from search.refine import frame_curve
 from search.source import Source
-from search.strength import judge
+from search.strength import judge, temper
 from search.vocabulary import vocabulary
 
 Found = tuple[Moment, tuple[Step, ...]]
@@ -41,6 +41,7 @@ def moments_in(bundle: Bundle, source: Source, question: Question, k: int) -> li
     queries = question.encode(bundle)
     found = find(bundle, source, question, queries, k)
     strengths = judge(bundle, queries.mean(axis=0), [moment.height for moment, _ in found])
+    strengths = temper(bundle, question.sentences, strengths)
     return Hits(
         hit(rank, source, moment, strength, steps)
         for rank, ((moment, steps), strength) in enumerate(zip(found, strengths, strict=True), start=1)

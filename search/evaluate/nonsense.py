@@ -27,7 +27,10 @@ def evaluate_nonsense(bundle: Bundle, gallery: NDArray[np.float32]) -> dict[str,
         raise BundleError(f"{bundle.folder}: carries no calibration; 'motionseek model release' makes bundles that do")
     sentences = [line for line in SENTENCES.read_text(encoding="utf-8").splitlines() if line.strip()]
     queries = encode_queries(bundle, sentences)
-    judged = [strength.judge(bundle, q, [float(np.max(gallery @ q))])[0] for q in queries]
+    judged = [
+        strength.temper(bundle, [sentence], strength.judge(bundle, query, [float(np.max(gallery @ query))]))[0]
+        for sentence, query in zip(sentences, queries, strict=True)
+    ]
     return {
         "sentences": float(len(sentences)),
         "strong": 100 * float(np.mean([j == strength.STRONG for j in judged])),

@@ -23,12 +23,14 @@ def clip(kind: int, seed: int) -> Made:
 @pytest.fixture
 def calibration() -> dict[str, np.ndarray]:
     clips = [clip(i % 5, i) for i in range(60)]
-    return calibrate(KnownAnswers(), clips[:20], clips[20:], ["what is this", "lorem ipsum"])  # type: ignore[arg-type]
+    return calibrate(KnownAnswers(), clips[:20], clips[20:], ["a person", "lorem ipsum"])  # type: ignore[arg-type]
 
 
 def test_it_holds_what_judging_needs(calibration: dict[str, np.ndarray]) -> None:
     assert calibration["motions"].shape == (20, len(SENTENCES))
     assert calibration["motions"].dtype == np.float16
+    assert set(SENTENCES[:5]) <= set(calibration["words"].tolist())
+    assert calibration["words"].tolist() == sorted(set(calibration["words"].tolist()))
     for asked in ("sentence", "motion"):
         assert calibration[f"{asked}_coefficients"].shape == (3,)
         assert np.isfinite(calibration[f"{asked}_coefficients"]).all()
@@ -40,6 +42,12 @@ def test_right_hits_are_strong_and_nonsense_is_weak(calibration: dict[str, np.nd
     one, nothing = bundle.encode_texts(["one", "nothing"])
     assert strength.judge(bundle, one, [float(one @ right)]) == ["strong"]  # type: ignore[arg-type]
     assert strength.judge(bundle, nothing, [float(nothing @ right)]) == ["weak"]  # type: ignore[arg-type]
+
+
+def test_sentences_in_foreign_words_are_doubted(calibration: dict[str, np.ndarray]) -> None:
+    bundle = KnownAnswers(calibration)
+    assert strength.temper(bundle, ["one"], ["strong"]) == ["strong"]  # type: ignore[arg-type]
+    assert strength.temper(bundle, ["lorem ipsum"], ["strong"]) == ["plausible"]  # type: ignore[arg-type]
 
 
 def test_a_motion_is_judged_by_other_motions_never_by_itself(calibration: dict[str, np.ndarray]) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from search import strength
+from search.lexicon import lexicon
 
 
 def _unit(rows: np.ndarray) -> np.ndarray:
@@ -44,6 +45,24 @@ def test_a_higher_score_is_never_weaker(bundle: Any) -> None:
 
 def test_without_calibration_nothing_is_claimed() -> None:
     assert strength.judge(SimpleNamespace(calibration=None), np.ones(4), [0.5]) == [""]  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("sentence", "judged"),
+    [
+        ("a person walks", ["strong", "plausible", "weak"]),
+        ("walks to the fridge", ["plausible", "weak", "weak"]),
+        ("zwei Kühlschränke", ["plausible", "weak", "weak"]),
+    ],
+)
+def test_a_sentence_in_words_that_nobody_uses_of_motion_is_doubted(
+    bundle: Any, sentence: str, judged: list[str]
+) -> None:
+    said = ["strong", "plausible", "weak"]
+    assert strength.temper(bundle, [sentence], said) == said, "a calibration without words doubts nothing"
+    bundle.calibration["words"] = lexicon(["a person walks slowly"])
+    assert strength.temper(bundle, [sentence], said) == judged
+    assert strength.temper(bundle, ["a person walks", sentence], said) == judged, "one of several is enough"
 
 
 def test_the_fit_recovers_a_known_curve() -> None:

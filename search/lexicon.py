@@ -1,0 +1,51 @@
+"""The words in which motion is described, and how much of a sentence is in others."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+Words = NDArray[np.str_]
+
+_WORD = re.compile(r"[^\W\d_]{2,}")
+#: Words that every sentence has, whatever it is about.
+_EMPTY = frozenset(
+    "an and are as at be been by for from he her his in is it its of on or she that the their them they this to was "
+    "were with".split()
+)
+#: What may be added to a word, or put for its last e.
+_ENDINGS = ("s", "es", "d", "ed", "r", "er", "ing", "ly")
+_SHORTEST_STEM = 3
+
+
+def lexicon(sentences: Iterable[str]) -> Words:
+    """The distinct words (W,) of sentences, sorted."""
+    return np.array(sorted({word for sentence in sentences for word in _words(sentence)}), dtype=np.str_)
+
+
+def foreign_share(sentence: str, known: Words) -> float:
+    """Which part of a sentence's words, 0 to 1, is in no form among those known (W,), sorted; 1 if it has no words."""
+    words = [word for word in _words(sentence) if word not in _EMPTY]
+    return float(np.mean([not _is_known(word, known) for word in words])) if words else 1.0
+
+
+def _words(sentence: str) -> list[str]:
+    return _WORD.findall(sentence.lower())
+
+
+def _is_known(word: str, known: Words) -> bool:
+    forms = np.array(list(_forms(word)))
+    places = np.minimum(np.searchsorted(known, forms), len(known) - 1)
+    return len(known) > 0 and bool((known[places] == forms).any())
+
+
+def _forms(word: str) -> Iterator[str]:
+    yield word
+    for ending in _ENDINGS:
+        stem = word.removesuffix(ending)
+        if stem != word and len(stem) >= _SHORTEST_STEM:
+            yield stem
+            yield stem + "e"

@@ -1,0 +1,41 @@
+"""The lexicon: words in any form are known again, and what is in other words is foreign."""
+
+from __future__ import annotations
+
+import pytest
+
+from search.lexicon import foreign_share, lexicon
+
+KNOWN = lexicon(
+    ["a person walks forward", "walk", "someone is dancing", "he raises the left arm, then waves", "circle"]
+)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "share"),
+    [
+        ("a person walks", 0),
+        ("The PERSON is walking forwards!", 0),  # other forms, other letters
+        ("circling", 0),
+        ("walks to the fridge", 1 / 2),
+        ("tax return for the fridge", 1),
+        ("eine Person geht vorwärts", 3 / 4),
+        ("人が歩く", 1),
+        ("1234 %&", 1),
+        ("", 1),
+    ],
+)
+def test_the_share_of_foreign_words(sentence: str, share: float) -> None:
+    assert foreign_share(sentence, KNOWN) == share
+
+
+def test_short_words_are_not_cut_to_what_they_are_not() -> None:
+    assert foreign_share("bus", lexicon(["bu"])) == 1
+
+
+def test_words_are_sorted_and_distinct() -> None:
+    assert lexicon(["waves, walks", "walks and x"]).tolist() == ["and", "walks", "waves"]
+
+
+def test_without_words_everything_is_foreign() -> None:
+    assert foreign_share("walks", lexicon([])) == 1
