@@ -305,8 +305,8 @@ def test_without_a_library_a_file_must_be_there(run: Run, tmp_path: Path, monkey
 
 def test_an_exported_archive_is_a_clip_again(indexed: Path, run: Run, tmp_path: Path) -> None:
     run("export", "take 3", tmp_path / "cut.npz", "--start", 2, "--end", 5, "--library", indexed)
-    found = run("similar", tmp_path / "cut.npz", "--moments", "--library", indexed, "--json", "-k", 1).document["hits"]
-    assert found[0]["path"] == "take 3.npy"
+    cut = (tmp_path / "cut.npz", "--start", 0)  # of a cut, also what is like a part of a clip
+    assert run("similar", *cut, "--library", indexed, "--json", "-k", 1).document["hits"][0]["path"] == "take 3.npy"
     assert run("index", tmp_path, "--json", "--jobs", 1).document["indexed"] == 1
 
 
