@@ -22,7 +22,7 @@ from search.takes import coarse_windows, region_of
 Located: TypeAlias = "tuple[int, Moment]"
 
 #: Places looked at closely in a round, and takes held for the next one: features of a take are computed once.
-_ROUND, _HELD = 12, 48
+_ROUND, _HELD = 10, 48
 
 
 def best_moments(
