@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from encoders.bundle import Bundle
 from encoders.corpus.made import Made, made_clips
 from encoders.corpus.real import CaptionedTake
 from encoders.corpus.seeds import CALIBRATION
+from encoders.errors import MotionSeekError
 from encoders.kinds import FEATURE_KINDS
 from encoders.tmr.export import export_bundle
 from encoders.tmr.language import LanguageModel
@@ -26,7 +28,7 @@ _BACKGROUND, _ASKED, _UNRELATED = 1500, 800, 400
 
 
 def release(
-    run: Path,
+    runs: Sequence[Path],
     folder: Path,
     *,
     name: str,
@@ -34,12 +36,12 @@ def release(
     training: Mapping[str, Any] | None = None,
     takes: Sequence[CaptionedTake] = (),
 ) -> Bundle:
-    """Export the averaged weights of a run, calibrate them on made clips nobody trained on, and write the bundle.
+    """Export the averaged weights of one run or several, calibrate them on made clips nobody trained on, and write it.
 
     Parameters
     ----------
-    run : Path
-        With recipe.json, last.pt and normaliser.npz.
+    runs : sequence of Path
+        Each with recipe.json, last.pt and normaliser.npz; see `mean_weights`.
     folder : Path
         The bundle; one that is there is replaced when the new one is whole.
     takes : sequence of CaptionedTake
@@ -47,11 +49,10 @@ def release(
     training : mapping
         What the manifest says of the training, beside the recipe's main numbers.
     """
-    recipe = Recipe.from_dict(json.loads((run / "recipe.json").read_text(encoding="utf-8")))
-    saved = torch.load(run / "last.pt", weights_only=True)
+    recipe, weights, steps = mean_weights(runs)
     model = TMR(recipe.network)
-    model.load_state_dict(saved["average"])
-    with np.load(run / "normaliser.npz", allow_pickle=False) as arrays:
+    model.load_state_dict(weights)
+    with np.load(runs[0] / "normaliser.npz", allow_pickle=False) as arrays:
         mean, std = arrays["mean"], arrays["std"]
 
     def export(calibration: Mapping[str, Any] | None) -> Bundle:
@@ -65,7 +66,7 @@ def release(
             std=std,
             feature_kind=kind,
             max_frames=recipe.max_frames,
-            training={"steps": saved["step"], "batch": recipe.batch, **(training or {})},
+            training={"steps": steps, "batch": recipe.batch, **(training or {})},
             calibration=calibration,
         )
         return Bundle.load(folder)
@@ -73,6 +74,30 @@ def release(
     clips = calibration_clips(kind)
     unrelated = unrelated_sentences(_UNRELATED, seed=1)
     return export(calibrate(export(None), clips[:_BACKGROUND], clips[_BACKGROUND:], unrelated, takes))
+
+
+def mean_weights(runs: Sequence[Path]) -> tuple[Recipe, dict[str, torch.Tensor], int]:
+    """The encoders of runs that went on from the same one, averaged: the last one's recipe, weights and steps.
+
+    Such a mean finds more than any of them and costs no more than one (Wortsman et al., "Model soups", ICML 2022).
+
+    Raises
+    ------
+    MotionSeekError
+        If their encoders or normalisers differ in size or numbers.
+    """
+    recipes, saved, norms = [], [], []
+    for run in runs:
+        recipe = Recipe.from_dict(json.loads((run / "recipe.json").read_text(encoding="utf-8")))
+        recipes.append(replace(recipe, network=replace(recipe.network, decoder=None)))
+        saved.append(torch.load(run / "last.pt", weights_only=True))
+        with np.load(run / "normaliser.npz", allow_pickle=False) as arrays:
+            norms.append(np.stack([arrays["mean"], arrays["std"]]))
+        if recipes[-1].network != recipes[0].network or not np.array_equal(norms[-1], norms[0]):
+            raise MotionSeekError(f"{run}: has other sizes or another normaliser than {runs[0]}; release it by itself")
+    names = TMR(recipes[-1].network).state_dict()
+    weights = {name: torch.stack([one["average"][name] for one in saved]).mean(dim=0) for name in names}
+    return recipes[-1], weights, saved[-1]["step"]
 
 
 def calibration_clips(kind: str) -> Sequence[Made]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from importlib.util import find_spec
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -126,31 +127,36 @@ def real_stores(folder: Path, captions: Path, kind: FeatureKind, banned: HeldOut
 
 
 @click.command()
-@click.argument("run", type=_FOLDER)
+@click.argument("runs", metavar="RUN...", nargs=-1, required=True, type=_FOLDER)
 @click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--name", default="motionseek", show_default=True, help="The model's name.")
 @click.option("--real", type=_FOLDER, help="Folder of captioned takes; its split val helps to calibrate.")
 @click.option("--captions", type=_FILE, help="What people wrote about them, JSON lines.")
 @click.option("--notes", type=_FILE, help="JSON to put into the manifest as what it was trained on.")
-def release(run: Path, folder: Path, name: str, real: Path | None, captions: Path | None, notes: Path | None) -> None:
-    """Make the bundle FOLDER of the run RUN: exported, weights in 8 bits, calibrated.
+def release(
+    runs: tuple[Path, ...], folder: Path, name: str, real: Path | None, captions: Path | None, notes: Path | None
+) -> None:
+    """Make the bundle FOLDER of a run: exported, weights in 8 bits, calibrated.
+
+    Of several runs that went on from the same one, their mean is taken.
 
     \b
     Examples:
       motionseek model release runs/default my_model/
+      motionseek model release runs/default runs/longer my_model/
     """
     need_extra()
     from indexer.captioned import captioned_takes
     from search.release import release as release_run
 
-    for file in ("recipe.json", "last.pt", "normaliser.npz"):
+    for run, file in product(runs, ("recipe.json", "last.pt", "normaliser.npz")):
         if not (run / file).is_file():
             raise click.ClickException(
                 f"{run}: no finished run, for {file} is missing; 'motionseek model train' makes it"
             )
     training = options.read_object(notes) if notes else None
     takes = list(captioned_takes(real, captions, "val")) if real and captions else []
-    bundle = release_run(run, folder, name=name, training=training, takes=takes)
+    bundle = release_run(runs, folder, name=name, training=training, takes=takes)
     click.echo(f"{bundle.name} {bundle.fingerprint[:12]} in {folder}")
 
 

@@ -1,0 +1,47 @@
+"""Releasing: several runs that went on from the same one become one model, their mean."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch")
+pytestmark = pytest.mark.torch
+
+from encoders.errors import MotionSeekError  # noqa: E402
+from encoders.tmr.network import TMR, Config, Tower  # noqa: E402
+from encoders.tmr.recipe import Recipe  # noqa: E402
+from search.release import mean_weights  # noqa: E402
+
+SMALL = {"width": 8, "layers": 1, "heads": 2, "feedforward": 8}
+NETWORK = Config(Tower(6, **SMALL), Tower(4, **SMALL), decoder=None, latent=4)
+
+
+def finished(folder: Path, value: float, network: Config = NETWORK, deviation: float = 1.0) -> Path:
+    """A run that ended at step 7 with every weight at `value`."""
+    folder.mkdir()
+    (folder / "recipe.json").write_text(json.dumps(Recipe(network=network).to_dict()), "utf-8")
+    weights = {name: torch.full_like(tensor, value) for name, tensor in TMR(network).state_dict().items()}
+    torch.save({"average": weights, "step": 7}, folder / "last.pt")
+    np.savez(folder / "normaliser.npz", mean=np.zeros(6, np.float32), std=np.full(6, deviation, np.float32))
+    return folder
+
+
+def test_the_weights_of_several_runs_are_averaged_and_decoders_left_behind(tmp_path: Path) -> None:
+    decoding = replace(NETWORK, decoder=Tower(6, **SMALL))
+    runs = [finished(tmp_path / "a", 1.0, decoding), finished(tmp_path / "b", 4.0)]
+    recipe, weights, steps = mean_weights(runs)
+    assert (recipe.network, steps) == (NETWORK, 7)
+    assert set(weights) == set(TMR(NETWORK).state_dict())
+    assert all(torch.all(tensor == 2.5) for tensor in weights.values())
+
+
+@pytest.mark.parametrize("other", [{"network": replace(NETWORK, latent=8)}, {"deviation": 2.0}])
+def test_runs_that_have_nothing_in_common_are_not_averaged(tmp_path: Path, other: dict) -> None:
+    runs = [finished(tmp_path / "a", 1.0), finished(tmp_path / "b", 1.0, **other)]
+    with pytest.raises(MotionSeekError, match="release it by itself"):
+        mean_weights(runs)
