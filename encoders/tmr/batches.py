@@ -65,11 +65,11 @@ class Batches:
         """Find where this model puts every made clip, (N, D): from now on some come with others that lie near them."""
         self.places = embed_motions(model, self.made, self.normaliser, self.recipe.max_frames)
 
-    def draw(self, rng: np.random.Generator) -> Batch:
-        """One batch."""
+    def draw(self, rng: np.random.Generator, *, hard: bool = True) -> Batch:
+        """One batch; `hard`: with clips that are hard to tell apart and with changed twins of captions."""
         recipe = self.recipe
         n_real = round(recipe.batch * recipe.real_share) if self.real else 0
-        picks = [(self.made, int(i)) for i in self._made(recipe.batch - n_real, rng)]
+        picks = [(self.made, int(i)) for i in self._made(recipe.batch - n_real, rng, hard)]
         if self.real:
             picks += [(self.real, int(i)) for i in rng.integers(len(self.real), size=n_real)]
         chosen = [int(rng.integers(len(store.captions[i]))) for store, i in picks]
@@ -77,7 +77,7 @@ class Batches:
         swapped = [
             (row, int(self.rows[id(store)][twin]))
             for row, ((store, i), c) in enumerate(zip(picks, chosen, strict=True))
-            if (twin := store.swapped[i][c]) >= 0
+            if hard and (twin := store.swapped[i][c]) >= 0
         ][: recipe.hard_negatives]
         away = rng.choice(self.unrelated, size=recipe.unrelated) if recipe.unrelated else np.zeros(0, np.int64)
         motions = [self._motion(store, i, rng) for store, i in picks]
@@ -90,11 +90,10 @@ class Batches:
             ignore[len(own) + extra, row] = False
         return Batch(motions, texts, torch.from_numpy(ignore), torch.tensor([row for row, _ in swapped]).long())
 
-    def _made(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
-        """Indices of `count` made clips; a share of them in groups that the model finds hard to tell apart."""
-        groups = 0 if self.places is None else round(self.recipe.alike * count / _TOGETHER)
-        total = len(self.made)
-        if self.places is None or total < _NEAREST + count:
+    def _made(self, count: int, rng: np.random.Generator, hard: bool) -> NDArray[np.int64]:
+        """Indices of `count` made clips; with `hard` a share of them in groups that the model finds alike."""
+        groups, total = round(self.recipe.alike * count / _TOGETHER), len(self.made)
+        if self.places is None or not hard or total < _NEAREST + count:
             return rng.choice(total, size=count, replace=total < count)
         alone = rng.choice(total, size=count - groups * (_TOGETHER - 1), replace=False)
         nearness = self.places[alone[:groups]] @ self.places.T

@@ -43,7 +43,8 @@ class Recipe:
     contrast : "infonce", "margin" (a ranking loss with a random negative) or "none"
     hard_negatives, unrelated : captions a batch that are negatives for their own clip, or for every clip
     telling : weight, within the contrastive term, of choosing between a sentence and its changed twin
-    alike, alike_from : share of the made clips of a batch that come in groups the model finds alike, from this step on
+    alike : share of the made clips of a batch that come in groups the model finds alike
+    hard_from : step from which clips come in such groups and captions with changed twins; before, they slow learning
     crop : share of single-action clips of which a random part is shown
     noise, bias : standard deviations of frame noise and of a constant offset a clip, in standardised units
     yaw, tilt : standard deviations in degrees by which a clip's frame is turned about the vertical, and tilted
@@ -71,7 +72,7 @@ class Recipe:
     telling: float = 2.0
     unrelated: int = 8
     alike: float = 0.5
-    alike_from: int = 600
+    hard_from: int = 600
     crop: float = 0.5
     noise: float = 0.03
     bias: float = 0.1

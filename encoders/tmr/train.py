@@ -93,9 +93,10 @@ class Trainer:
         self.model.train()
         for group in self.optimiser.param_groups:
             group["lr"] = learning_rate(self.step, recipe)
-        if recipe.alike and self.step >= recipe.alike_from:
+        hard = self.step >= recipe.hard_from
+        if hard and recipe.alike:
             self._place()
-        batch = self.batches.draw(self.rng)
+        batch = self.batches.draw(self.rng, hard=hard)
         with torch.autocast("cpu", dtype=torch.bfloat16, enabled=recipe.bf16):
             terms = step_losses(self.model, self.log_temperature, batch, recipe)
         loss = losses.total(terms, recipe.weights)

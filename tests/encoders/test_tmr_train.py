@@ -84,7 +84,7 @@ def test_it_learns_to_tell_the_motions_of_a_batch_apart(prepared, tmp_path: Path
     batch = prepared[0].draw(np.random.default_rng(0))
     same = contrastive(torch.ones(len(batch.texts), 2), torch.ones(16, 2), 0.1, batch.ignore)
     knowing_nothing = same.item() + RECIPE.telling * np.log(2)
-    trainer = Trainer(tmp_path / "run", replace(RECIPE, rate=3e-3), SimpleNamespace(draw=lambda rng: batch))
+    trainer = Trainer(tmp_path / "run", replace(RECIPE, rate=3e-3), SimpleNamespace(draw=lambda rng, hard: batch))
     losses = [trainer._advance()["contrastive"] for _ in range(RECIPE.steps)]
     assert losses[0] > 0.9 * knowing_nothing
     assert losses[-1] < 0.6 * knowing_nothing
@@ -123,11 +123,11 @@ def test_clips_that_lie_near_each_other_come_together(prepared) -> None:
     texts = {text: i for i, text in enumerate(batches.all_texts)}
     batches = Batches(store(40, 0), None, (), batches.tokens, texts, batches.normaliser, RECIPE)
     kinds = np.arange(40 * KINDS) % KINDS
-    drawn = [np.bincount(kinds[batches._made(16, np.random.default_rng(i))]).max() for i in range(20)]
+    drawn = [np.bincount(kinds[batches._made(16, np.random.default_rng(i), True)]).max() for i in range(20)]
     batches.places = np.eye(KINDS, dtype=np.float32)[kinds]
-    together = [np.bincount(kinds[batches._made(16, np.random.default_rng(i))]).max() for i in range(20)]
+    together = [np.bincount(kinds[batches._made(16, np.random.default_rng(i), True)]).max() for i in range(20)]
     assert max(drawn) < min(together)
-    assert len(batches._made(16, np.random.default_rng(0))) == 16
+    assert len(batches._made(16, np.random.default_rng(0), True)) == 16
 
 
 def test_a_recipe_survives_json() -> None:
