@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 from os import PathLike
@@ -54,8 +54,7 @@ class SearchableLibrary(Library):
             If the sentence is empty or a filter makes no sense.
         """
         query = Question.of(text, split_steps=False).encode(self.bundle)[0]
-        found = self._clip_hits(query, k, self.allowed(**filters), asked="sentence")
-        return temper_hits(self.bundle, (text,), found)
+        return self._sentence_hits(text, query, k, filters)
 
     def moments(
         self,
@@ -173,6 +172,11 @@ class SearchableLibrary(Library):
             raise QueryError(f"no filter {', '.join(unknown)}; there are {', '.join(Filters.__dataclass_fields__)}")
         condition, values = Filters(**filters).where()
         return self.ids(condition, values) if condition else None
+
+    def _sentence_hits(self, text: str, query: Vectors, k: int, filters: Mapping[str, Any]) -> list[Hit]:
+        """The clips that fit a sentence best, whose query vector (D,) is this."""
+        found = self._clip_hits(query, k, self.allowed(**filters), asked="sentence")
+        return temper_hits(self.bundle, (text,), found)
 
     def _clip_hits(self, query: Vectors, k: int, allowed: Ids | None, *, asked: str, windows: bool = True) -> list[Hit]:
         return self._hits(query, best_evidence(self, query, k, allowed=allowed, windows=windows), asked=asked)

@@ -211,4 +211,4 @@ class ServedLibrary(SearchableLibrary):
             return error
 
     def _found(self, question: Search, vector: Vectors) -> list[Hit]:
-        return self._clip_hits(vector, question.k, self.allowed(**dict(question.filters)), asked="sentence")
+        return self._sentence_hits(question.text, vector, question.k, dict(question.filters))

@@ -15,7 +15,6 @@ from search.server.parameters import ClipRef, Count, FileName, Filters, NearOffs
 from search.server.served import Search
 from search.server.state import State
 from search.source import Source
-from search.strength import temper_hits
 from search.takes import curves, describe_motion, moments_in
 
 Given = dict[str, Any]
@@ -41,7 +40,7 @@ def routes(state: State) -> APIRouter:
         document = state.answers.get(key)
         if document is None:
             hits = (await state.search(Search(q, offset + k, filters)))[offset:]
-            document = _written({"query": q, "hits": documents.hits(temper_hits(library.bundle, (q,), hits))})
+            document = _written({"query": q, "hits": documents.hits(hits)})
             state.answers.put(key, document)
         return encoded(document)
 
