@@ -107,7 +107,7 @@ def _real(folder: Path, captions: Path, bundle: Bundle) -> list[str]:
         table(("first", "found"), [(str(k), f"{report.found(k):.1f} %") for k in (1, 5, 10)]),
         f"\nMotion to sentence, first of all these sentences right: {report.told:.1f} % "
         f"({report.told_by_cosine:.1f} % by cosine alone).\n",
-        "\nFound worst (mean rank): " + "; ".join(f"{text} ({np.mean(row) + 1:.0f})" for text, row in worst) + ".\n",
+        "Found worst (mean rank): " + "; ".join(f"{text} ({np.mean(row) + 1:.0f})" for text, row in worst) + ".\n",
     ]
 
 
