@@ -19,7 +19,7 @@ from onnx import TensorProto, helper, numpy_helper
 from torch import Tensor, nn
 
 from encoders.tmr.language import LanguageLayer, LanguageNetwork
-from encoders.tmr.network import Encoder, EncoderLayer
+from encoders.tmr.network import Encoder, EncoderLayer, Gist
 from encoders.tmr.quantise import int8_rows
 
 OPSET = 20
@@ -185,11 +185,31 @@ def text_graph(encoder: Encoder, language: LanguageNetwork, max_tokens: int, *, 
     for layer in language.layers:
         x = _layer(graph, _Layer.of(layer), x, batch, bias)
     x = graph.add("Reshape", x, graph.shape(batch, tokens, language.config.width))
+    gist = None if encoder.gist is None else _gist(graph, encoder.gist, x, lengths, tokens)
     latent = _encode(graph, encoder, x, lengths)
+    if gist is not None:
+        latent = graph.add("Add", _unit(graph, latent), _unit(graph, gist))
     names = ("input_ids", "attention_mask")
     return graph.model(
         "text_encoder", {name: (TensorProto.INT64, ["batch", "tokens"]) for name in names}, latent, encoder.latent
     )
+
+
+def _gist(graph: Graph, gist: Gist, x: str, lengths: str, tokens: str) -> str:
+    """What `encoders.tmr.network.Gist` makes of x (batch, tokens, F), of which `lengths` (batch,) count."""
+    valid = graph.add("Unsqueeze", _valid(graph, lengths, tokens), graph.constant([2]))
+    x = graph.add(
+        "ReduceSum", graph.add("Where", valid, x, graph.constant(0, np.float32)), graph.constant([1]), keepdims=0
+    )
+    x = graph.add("Mul", _unit(graph, x), graph.constant(gist.widen.in_features**0.5, np.float32))
+    for layer in (gist.widen, gist.mix):
+        x = graph.add("Gelu", graph.linear(x, layer.weight, layer.bias))
+    return graph.linear(x, gist.narrow.weight, gist.narrow.bias)
+
+
+def _unit(graph: Graph, x: str) -> str:
+    """Rows of x (N, D) made unit vectors."""
+    return str(graph.add("Div", x, graph.add("ReduceL2", x, graph.constant([1]), keepdims=1)))
 
 
 def _grouped(graph: Graph, x: str, size: int, features: int) -> tuple[str, str]:

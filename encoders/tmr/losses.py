@@ -24,6 +24,7 @@ class Weights:
     kl: float = 1e-5
     latent: float = 1e-5
     contrastive: float = 0.1
+    gist: float = 0.5
 
 
 def reconstruction(target: Tensor, *decoded: Tensor) -> Tensor:

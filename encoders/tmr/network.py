@@ -2,8 +2,8 @@
 
 After Petrovich, Black and Varol, "TMR: Text-to-Motion Retrieval Using Contrastive 3D Human Motion Synthesis"
 (ICCV 2023), which takes its networks from TEMOS and ACTOR. Modules carry the names of the published tensors, so
-published weights load strictly. What TMR does not have is off by default: several frames a token, and a latent
-whose size differs from the width of the network.
+published weights load strictly. What TMR does not have is off by default: several frames a token, a latent whose size
+differs from the width of the network, and a second reading of a sentence as a whole, `Gist`.
 
 Two things are computed differently and give the same: an encoder's last layer is only computed for the tokens
 that are read, and attention to the decoder's memory, which is one token, is that token's value.
@@ -23,7 +23,10 @@ from torch import Tensor, nn
 
 @dataclass(frozen=True)
 class Tower:
-    """Sizes of one encoder or of the decoder; the defaults are those of published TMR."""
+    """Sizes of one encoder or of the decoder; the defaults are those of published TMR.
+
+    `gist` is the width of the perceptron that reads a sequence as a whole, 0 for none.
+    """
 
     features: int
     width: int = 256
@@ -32,6 +35,7 @@ class Tower:
     feedforward: int = 1024
     dropout: float = 0.1
     frames_per_token: int = 1
+    gist: int = 0
 
     def __post_init__(self) -> None:
         if self.width % self.heads or self.width % 2:
@@ -89,6 +93,22 @@ def positions(count: int, width: int, device: torch.device | None = None) -> Ten
     return torch.stack((torch.sin(angles), torch.cos(angles)), dim=-1).reshape(count, width)
 
 
+class Dropout(nn.Module):
+    """As `nn.Dropout`, with a chance in 256ths: a random byte a number takes a CPU a third of the time."""
+
+    def __init__(self, chance: float) -> None:
+        super().__init__()
+        self.dropped = round(256 * chance)
+
+    def forward(self, x: Tensor) -> Tensor:
+        """Numbers of x, any shape, are zero by that chance while training, the others larger for it."""
+        if not self.training or not self.dropped:
+            return x
+        drawn = torch.empty(-(-x.numel() // 8), dtype=torch.int64).random_(-(2**63), None)
+        kept = drawn.view(torch.uint8)[: x.numel()].view(x.shape) >= self.dropped
+        return x * (kept.to(x.device, x.dtype) * (256 / (256 - self.dropped)))
+
+
 class Attention(nn.Module):
     """Multi-head attention with the tensors of `nn.MultiheadAttention`, exportable at any batch and length."""
 
@@ -138,7 +158,7 @@ class Layer(nn.Module):
         self.linear2 = nn.Linear(tower.feedforward, tower.width)
         self.norm1 = nn.LayerNorm(tower.width)
         self.norm2 = nn.LayerNorm(tower.width)
-        self.dropout = nn.Dropout(tower.dropout)
+        self.dropout = Dropout(tower.dropout)
 
     def feed(self, x: Tensor) -> Tensor:
         """The position-wise network."""
@@ -177,6 +197,28 @@ class Stack(nn.Module):
         self.layers = nn.ModuleList(layers)
 
 
+class Gist(nn.Module):
+    """A sequence's mean feature -> a latent, through a perceptron that knows no order.
+
+    The mean of a language model's tokens is what it was taught to compare sentences by: it is read well in words that
+    training never met, where the encoder is surer of who does what when. So both are read, and their directions added.
+    """
+
+    def __init__(self, tower: Tower, latent: int) -> None:
+        super().__init__()
+        self.widen = nn.Linear(tower.features, tower.gist)
+        self.mix = nn.Linear(tower.gist, tower.gist)
+        self.narrow = nn.Linear(tower.gist, latent)
+        self.dropout = Dropout(tower.dropout)
+
+    def forward(self, x: Tensor, mask: Tensor) -> Tensor:
+        """Features (B, T, F), valid where mask (B, T) is True -> (B, latent)."""
+        x = F.normalize((x * mask[..., None]).sum(1), dim=-1) * x.shape[-1] ** 0.5
+        for layer in (self.widen, self.mix):
+            x = self.dropout(F.gelu(layer(x)))
+        return self.narrow(x)
+
+
 class Encoder(nn.Module):
     """A sequence of features -> a Gaussian: two learned tokens go in front, their outputs are mu and logvar."""
 
@@ -187,8 +229,9 @@ class Encoder(nn.Module):
         self.tokens = nn.Parameter(torch.randn(2, tower.width))
         self.projection = nn.Linear(tower.features * tower.frames_per_token, tower.width)
         self.seqTransEncoder = Stack(EncoderLayer(tower) for _ in range(tower.layers))
-        self.dropout = nn.Dropout(tower.dropout)
+        self.dropout = Dropout(tower.dropout)
         self.to_latent = nn.Identity() if latent == tower.width else nn.Linear(tower.width, latent)
+        self.gist = Gist(tower, latent) if tower.gist else None
 
     def forward(self, x: Tensor, mask: Tensor) -> Gaussian:
         """Features (B, T, F), valid where mask (B, T) is True -> Gaussian over (B, latent)."""
@@ -196,8 +239,9 @@ class Encoder(nn.Module):
         return Gaussian(mu, logvar)
 
     def mean(self, x: Tensor, mask: Tensor) -> Tensor:
-        """Only mu (B, latent): the embedding."""
-        return self._read(x, mask, tokens=1)[:, 0]
+        """The embedding (B, latent): mu, or the sum of its direction and that of the gist."""
+        mu = self._read(x, mask, tokens=1)[:, 0]
+        return mu if self.gist is None else F.normalize(mu, dim=-1) + F.normalize(self.gist(x, mask), dim=-1)
 
     def _read(self, x: Tensor, mask: Tensor, tokens: int) -> Tensor:
         x, mask = group_frames(x, mask, self.tower.frames_per_token)
@@ -217,7 +261,7 @@ class Decoder(nn.Module):
         self.tower = tower
         self.seqTransDecoder = Stack(DecoderLayer(tower) for _ in range(tower.layers))
         self.final_layer = nn.Linear(tower.width, tower.features * tower.frames_per_token)
-        self.dropout = nn.Dropout(tower.dropout)
+        self.dropout = Dropout(tower.dropout)
         self.from_latent = nn.Identity() if latent == tower.width else nn.Linear(latent, tower.width)
 
     def forward(self, latent: Tensor, mask: Tensor) -> Tensor:

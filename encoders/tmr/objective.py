@@ -29,6 +29,9 @@ def step_losses(model: TMR, log_temperature: Tensor, batch: Batch, recipe: Recip
             (torch.cat((sampled_text, texts.mu[count:])), sampled_motion) if recipe.sampled else (texts.mu, motion.mu)
         )
         terms["contrastive"] = contrast(*sides, log_temperature.exp(), batch, recipe)
+        if model.text_encoder.gist is not None:
+            gist = model.text_encoder.gist(*pad(batch.texts))
+            terms["gist"] = contrast(gist, sides[1], log_temperature.exp(), batch, recipe)
     if model.motion_decoder is not None:
         every = max(1, count // recipe.decoded)
         target, mask = pad(batch.motions[::every])

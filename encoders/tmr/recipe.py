@@ -22,7 +22,7 @@ def default_network(features: int = _FEATURES, token_features: int = _TOKEN_FEAT
     """The sizes of the default model: encoders a quarter of published TMR's, four frames a token, and no decoder."""
     return Config(
         motion=Tower(features=features, width=256, layers=3, feedforward=768, frames_per_token=4),
-        text=Tower(features=token_features, width=256, layers=2, feedforward=768),
+        text=Tower(features=token_features, width=256, layers=2, feedforward=768, gist=1024),
         decoder=None,
         latent=256,
     )

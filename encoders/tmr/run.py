@@ -84,13 +84,15 @@ def prepare(
     unrelated: Sequence[str],
     language: LanguageModel,
     cache: Path,
+    normaliser: Normaliser | None = None,
 ) -> tuple[Batches, Validation, Normaliser]:
-    """Token features, normaliser, and what draws batches and validates."""
+    """Token features, normaliser (where none is given, of these clips), and what draws batches and validates."""
     stores = [s for s in (made, real, validation_made, validation_real) if s is not None]
     texts = {text: i for i, text in enumerate(dict.fromkeys([*unrelated, *(t for s in stores for t in s.texts)]))}
     tokens = TokenTable(list(texts), language, cache)
-    sources = [made.features] if real is None else [made.features, real.features]
-    normaliser = Normaliser.of(np.concatenate([f[:: max(1, len(f) // 100_000)] for f in sources]))
+    if normaliser is None:
+        sources = [made.features] if real is None else [made.features, real.features]
+        normaliser = Normaliser.of(np.concatenate([f[:: max(1, len(f) // 100_000)] for f in sources]))
     batches = Batches(made, real, unrelated, tokens, texts, normaliser, recipe)
     return (
         batches,
@@ -106,11 +108,12 @@ def train(
     validate: Callable[[TMR], dict[str, float]],
     normaliser: Normaliser,
     *,
+    start: TMR | None = None,
     every: int = 200,
     minutes: float = float("inf"),
     say: Callable[[str], None] = print,
 ) -> TMR:
-    """Train (or go on training) in `folder`; the normaliser is kept beside the run."""
-    trainer = Trainer(folder, recipe, batches)
+    """Train (or go on training) in `folder`, a new run from `start`; the normaliser is kept beside the run."""
+    trainer = Trainer(folder, recipe, batches, start)
     np.savez(folder / "normaliser.npz", mean=normaliser.mean, std=normaliser.std)
     return trainer.run(evaluate=validate, every=every, minutes=minutes, say=say)

@@ -34,11 +34,13 @@ def learning_rate(step: int, recipe: Recipe) -> float:
 class Trainer:
     """One training run in a folder: `recipe.json`, `last.pt`, `log.jsonl`; continues where it was stopped."""
 
-    def __init__(self, folder: Path, recipe: Recipe, batches: Batches) -> None:
+    def __init__(self, folder: Path, recipe: Recipe, batches: Batches, start: TMR | None = None) -> None:
         self.folder, self.recipe, self.batches = folder, recipe, batches
         torch.manual_seed(recipe.seed)
         self.rng = np.random.default_rng(recipe.seed)
         self.model = TMR(recipe.network)
+        if start is not None:
+            self.model.load_state_dict(start.state_dict())
         self.log_temperature = torch.nn.Parameter(
             torch.tensor(math.log(recipe.temperature)), requires_grad=recipe.learn_temperature
         )

@@ -33,6 +33,7 @@ _RECOMBINED = 1500
 @click.option("--sentences", type=_FILE, help="Human sentences to act out, one a line.")
 @click.option("--held-out", type=_FILE, multiple=True, help="File whose sentences must not become captions.")
 @click.option("--recipe", type=_FILE, help="JSON of recipe fields that differ from the default.")
+@click.option("--from", "origin", type=_FOLDER, help="Bundle to go on from, in a new run.")
 @click.option("--steps", type=click.IntRange(1), help="Training steps.")
 @click.option(
     "--minutes", type=click.FloatRange(min=0), default=float("inf"), help="Stop after so long; run again to go on."
@@ -46,6 +47,7 @@ def train(
     sentences: Path | None,
     held_out: tuple[Path, ...],
     recipe: Path | None,
+    origin: Path | None,
     steps: int | None,
     minutes: float,
     jobs: int | None,
@@ -59,6 +61,7 @@ def train(
     Examples:
       motionseek model train runs/default --real data/mocap --captions captions.jsonl --sentences sentences.txt
       motionseek model train runs/quick --made 2000 --steps 200
+      motionseek model train runs/ours --from my_model/ --real our_takes/ --captions ours.jsonl --steps 1000
     """
     need_extra()
     from encoders.corpus.language import HeldOut
@@ -66,6 +69,7 @@ def train(
     from encoders.kinds import FEATURE_KINDS
     from encoders.tmr.language import LanguageModel
     from encoders.tmr.material import made_store, made_stores, unrelated_sentences
+    from encoders.tmr.restore import restore
     from encoders.tmr.run import prepare
     from encoders.tmr.run import train as train_in
 
@@ -73,6 +77,7 @@ def train(
         raise click.UsageError("--real and --captions belong together")
     chosen = read_recipe(recipe, steps)
     kind = FEATURE_KINDS["body"]
+    start, normaliser = restore(origin, chosen.network) if origin else (None, None)
     language = LanguageModel.load()
     banned = HeldOut(text for path in held_out for text in _sentences(path))
     lines = [text for text in _sentences(sentences) if not banned(text)] if sentences else []
@@ -80,9 +85,9 @@ def train(
     clips = made_stores(run, made, kind.name, lines, banned, jobs=jobs, say=click.echo)
     validation = made_store(run / "validation.npz", VALIDATION, 1000, kind.name, (), banned)
     batches, validate, normaliser = prepare(
-        chosen, clips, people, validation, asked, unrelated_sentences(600), language, run
+        chosen, clips, people, validation, asked, unrelated_sentences(600), language, run, normaliser
     )
-    train_in(run, chosen, batches, validate, normaliser, every=100, minutes=minutes, say=click.echo)
+    train_in(run, chosen, batches, validate, normaliser, start=start, every=100, minutes=minutes, say=click.echo)
 
 
 def need_extra() -> None:

@@ -61,7 +61,7 @@ def tiny_network(features: int, token_features: int = 16, latent: int = 24) -> T
     sizes = {"width": 16, "layers": 2, "heads": 2, "feedforward": 24}
     config = Config(
         motion=Tower(features=features, frames_per_token=4, **sizes),
-        text=Tower(features=token_features, **sizes),
+        text=Tower(features=token_features, gist=20, **sizes),
         decoder=Tower(features=features, frames_per_token=4, **sizes),
         latent=latent,
     )
