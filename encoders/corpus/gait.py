@@ -252,7 +252,7 @@ def _torso(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Arr
     curves.pelvis[:, 2] = -gait.yaw * turn
     curves.spine[:, 0] = 0.65 * gait.lean * effort
     # The trunk leans to the foot that lands.
-    tip = 0.13 if gait.duty < 0.5 else 0.07
+    tip = 0.075 if gait.duty < 0.5 else 0.07
     curves.spine[:, 1] = roll + effort * ((tip + manner.rock) * np.cos(cycle) + 0.12 * manner.limp * beat)
     curves.spine[:, 2] = (1 + gait.yaw) * turn
     curves.head[:, 0] = -0.5 * gait.lean * effort + 4.0 * manner.pulse * effort * np.cos(2 * cycle)

@@ -65,7 +65,7 @@ def make(
     kind: FeatureKind,
     *,
     said: Sequence[str] = (),
-    count: int = 4,
+    count: int = 6,
     held_out: Callable[[str], bool] | None = None,
 ) -> Made:
     """Act a scene out and describe it.
