@@ -58,6 +58,11 @@ class Galleries:
                 connection.execute("COMMIT")
         return index
 
+    def since(self, kind: Kind, connection: sqlite3.Connection, generation: int) -> Rows:
+        """The rows of the live clips that came or changed after a generation."""
+        _, _, model_id, size = _state(connection)
+        return _rows(connection, kind, model_id, generation, size)
+
     def _refresh(self, kind: Kind, connection: sqlite3.Connection, often: bool) -> FlatVectors:
         generation, model, model_id, size = _state(connection)
         known, index = self._held.get(kind.name, ("", None))

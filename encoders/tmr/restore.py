@@ -76,7 +76,7 @@ class _Weights:
             return self._stored[name]  # type: ignore[return-value]
         node = self._makers[name]
         if node.op_type == "Reshape":
-            return self._value(node.input[0]).reshape(self._value(node.input[1]))  # type: ignore[arg-type]
+            return self._value(node.input[0]).reshape(self._value(node.input[1]))
         if node.op_type == "DequantizeLinear":
             return self._value(node.input[0]).astype(np.float32) * self._value(node.input[1])[:, None]
         raise LookupError(f"{name} is no constant")

@@ -21,10 +21,12 @@ from indexer.clips import Caption, Clip
 from indexer.gallery import CLIPS, WINDOWS
 from indexer.vectors import FlatVectors
 from search.engine import Ref, SearchableLibrary
+from search.evidence import WINDOW_MARGIN
 from search.hits import Hit
 from search.query import encode_queries
 from search.question import Question
 from search.server.cache import Cache
+from search.server.standing import Grounds, StandingAnswers
 from search.source import Source
 
 Ids = NDArray[np.int64]
@@ -34,6 +36,7 @@ Vectors = NDArray[np.float32]
 _LOOK_EVERY = 0.5
 _CHANGED = "SELECT id FROM clips WHERE generation > ?"
 _SAID = "SELECT count(*), max(id), total(id), total(text_id), total(clip_id) FROM captions"
+_SAID_BEFORE = f"{_SAID} WHERE clip_id NOT IN ({_CHANGED})"
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,8 @@ class ServedLibrary(SearchableLibrary):
         self._held_clips: Cache[Clip] = Cache(20_000)
         self._held_captions: Cache[list[Caption]] = Cache(20_000)
         self._snapshot = self._look()
+        self.standing = StandingAnswers(self._snapshot.generation)
+        self._refreshing = threading.Lock()
         self._stop = threading.Event()
         self._watcher = threading.Thread(target=self._watch, daemon=True, name="watching the library")
 
@@ -100,16 +105,38 @@ class ServedLibrary(SearchableLibrary):
 
     def refresh(self) -> bool:
         """Catch up with the library on disk; whether there was anything new."""
-        if self.generation == self._snapshot.generation and self._trouble is None:
-            return False
-        try:
-            self._check(self.bundle)
-            before, self._snapshot = self._snapshot.generation, self._look()
-            self._held_clips.drop(id for (id,) in self.connection.execute(_CHANGED, (before,)))
-            self._trouble = None
-        except MotionSeekError as error:
-            self._trouble = error
-        return True
+        with self._refreshing:
+            if self.generation == self._snapshot.generation and self._trouble is None:
+                return False
+            try:
+                self._check(self.bundle)
+                new = self._look()
+                self._let_stand(new.generation)
+                before, self._snapshot = self._snapshot.generation, new
+                self._held_clips.drop(id for (id,) in self.connection.execute(_CHANGED, (before,)))
+                self._trouble = None
+            except MotionSeekError as error:
+                self._trouble = error
+            return True
+
+    def _let_stand(self, generation: int) -> None:
+        """Keep the answers that are right in this generation, too."""
+        before, connection = self._snapshot, self.connection
+        if connection.execute(_SAID_BEFORE, (before.generation,)).fetchone() != before.said:
+            self.standing.clear(generation)  # a caption that is shown may have changed
+            return
+        changed = np.array([id for (id,) in connection.execute(_CHANGED, (before.generation,))], np.int64)
+        added = [self._galleries.since(kind, connection, before.generation).vectors for kind in (CLIPS, WINDOWS)]
+        self.standing.grow(generation, changed, np.concatenate(added).astype(np.float32))
+
+    def grounds(self, question: Search, hits: Sequence[Hit]) -> Grounds:
+        """What the answer to a question stands on.
+
+        A clip may be shown by a window or as a whole, whichever speaks more for it, but for a margin: so far below the
+        last hit nothing has any say.
+        """
+        floor = hits[-1].score - WINDOW_MARGIN if len(hits) == question.k else -np.inf
+        return Grounds(self.encode_all([question.text])[0], floor, frozenset(hit.clip_id for hit in hits))
 
     def _look(self) -> Snapshot:
         clips, windows = (self._galleries.current(kind, self.connection, often=True) for kind in (CLIPS, WINDOWS))

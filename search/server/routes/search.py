@@ -35,13 +35,12 @@ def routes(state: State) -> APIRouter:
     @router.get("/search", responses=ok(documents.HitsShape))
     async def search(q: Sentence, given: Filters, k: Count = 10, offset: Offset = 0) -> Response:
         """The clips that fit a sentence best, each with the span that does."""
-        filters = tuple(given.items())
-        key = (library.snapshot.generation, "search", q, k, offset, filters)
-        document = state.answers.get(key)
+        question, generation = Search(q, offset + k, tuple(given.items())), library.snapshot.generation
+        document = library.standing.get((question, offset))
         if document is None:
-            hits = (await state.search(Search(q, offset + k, filters)))[offset:]
-            document = _written({"query": q, "hits": documents.hits(hits)})
-            state.answers.put(key, document)
+            hits = await state.search(question)
+            document = _written({"query": q, "hits": documents.hits(hits[offset:])})
+            library.standing.put((question, offset), document, library.grounds(question, hits), generation)
         return encoded(document)
 
     @router.get("/moments", responses=ok(documents.MomentsShape) | NO_CLIP)

@@ -1,0 +1,101 @@
+"""Answers outlive growth that cannot change them, and no other."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from starlette.testclient import TestClient
+
+from encoders.bundle import Bundle
+from indexer import ingest
+from search import evidence
+from search.engine import SearchableLibrary
+from search.server import documents, served
+from search.server.app import create_app
+from search.server.served import ServedLibrary
+from search.server.standing import Grounds, StandingAnswers
+from tests.search.conftest import made_motion
+
+NONE = np.zeros((0, 2), np.float32)
+EAST, NORTH = np.array([1, 0], np.float32), np.array([0, 1], np.float32)
+
+
+def held() -> StandingAnswers:
+    """Two answers of generation 1: about what lies east, which shows clips 1 and 2, and north, clip 3."""
+    answers = StandingAnswers(1)
+    answers.put("east", b"e", Grounds(EAST, 0.6, frozenset({1, 2})), 1)
+    answers.put("north", b"n", Grounds(NORTH, 0.6, frozenset({3})), 1)
+    return answers
+
+
+@pytest.mark.parametrize(
+    ("added", "standing"),
+    [([], "en"), ([[0.5, 0.5]], "en"), ([[0.6, 0.1]], "n"), ([[0.1, 0.2], [0.0, 1.0]], "e"), ([[1, 0], [0, 1]], "")],
+)
+def test_what_scores_as_much_as_the_last_hit_shakes_an_answer(added: list[list[float]], standing: str) -> None:
+    answers = held()
+    answers.grow(2, np.array([9]), np.array(added, np.float32).reshape(-1, 2))
+    assert [answers.get("east"), answers.get("north")] == [
+        b"e" if "e" in standing else None,
+        b"n" if "n" in standing else None,
+    ]
+
+
+def test_an_answer_falls_with_a_clip_that_it_shows() -> None:
+    answers = held()
+    answers.grow(2, np.array([2]), NONE)
+    assert (answers.get("east"), answers.get("north")) == (None, b"n")
+
+
+def test_an_answer_found_before_a_growth_comes_too_late_after_it() -> None:
+    answers = held()
+    answers.grow(2, np.array([9]), NONE)
+    answers.put("late", b"l", Grounds(EAST, 0.0, frozenset()), 1)
+    assert answers.get("late") is None
+    assert len(answers) == 2
+
+
+def test_the_least_used_go_first() -> None:
+    answers = StandingAnswers(1, size=2)
+    for key in ("a", "b"):
+        answers.put(key, b"", Grounds(EAST, 0.0, frozenset()), 1)
+    answers.get("a")
+    answers.put("c", b"", Grounds(EAST, 0.0, frozenset()), 1)
+    assert [key for key in "abc" if answers.get(key) is not None] == ["a", "c"]
+
+
+def test_what_stands_is_what_a_fresh_search_finds(
+    indexed: Path, bundle: Bundle, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in (evidence, served):  # all scores of a model of random weights lie within the usual margin
+        monkeypatch.setattr(module, "WINDOW_MARGIN", 1e-4)
+    folder = tmp_path / "takes"
+    shutil.copytree(indexed, folder)
+    library = ServedLibrary.open(folder, bundle=bundle)
+    library.start = lambda: None  # type: ignore[method-assign]  # refreshed by hand
+    questions = [f"{subject} {verb}" for subject in ("", "a person", "someone") for verb in ("walks", "jumps", "sits")]
+    stood = []
+    with TestClient(create_app(library), base_url="http://127.0.0.1:8420") as client:
+
+        def answers() -> dict[str, list[dict[str, object]]]:
+            return {q: client.get("/api/search", params={"q": q, "k": 2}).json()["hits"] for q in questions}
+
+        before = answers()
+        for seed in range(5):
+            np.save(folder / f"new {seed}.npy", made_motion(3.0 + seed, 200 + seed).joints)
+            if seed == 3:
+                (folder / "take 2.npy").unlink()
+            if seed == 4:
+                (folder / "take 1.txt").write_text("a person hops\n", encoding="utf-8")
+            ingest.index(folder, bundle=bundle, jobs=1)
+            assert library.refresh()
+            stood.append(len(library.standing))
+            after = answers()
+            with SearchableLibrary.open(folder, bundle=bundle) as fresh:
+                assert after == {q: documents.hits(fresh.search(q, 2)) for q in questions}
+    assert before != after
+    assert max(stood) > 0
+    assert stood[-1] == 0  # what is shown of a clip that is not new has changed
