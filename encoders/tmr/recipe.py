@@ -52,6 +52,7 @@ class Recipe:
     averaging : decay of the running mean of weights that is kept
     sampled : the contrastive term sees sampled latents, as published, instead of means
     decoded : motions a batch that are reconstructed
+    seed : of weights, batches and the clips that are made
     """
 
     network: Config = field(default_factory=default_network)

@@ -65,7 +65,7 @@ def train(
     """
     need_extra()
     from encoders.corpus.language import HeldOut
-    from encoders.corpus.seeds import VALIDATION
+    from encoders.corpus.seeds import RUNS_APART, TRAINING, VALIDATION
     from encoders.kinds import FEATURE_KINDS
     from encoders.tmr.language import LanguageModel
     from encoders.tmr.material import made_store, made_stores, unrelated_sentences
@@ -82,7 +82,8 @@ def train(
     banned = HeldOut(text for path in held_out for text in _sentences(path))
     lines = [text for text in _sentences(sentences) if not banned(text)] if sentences else []
     people, asked = real_stores(real, captions, kind, banned) if real and captions else (None, None)
-    clips = made_stores(run, made, kind.name, lines, banned, jobs=jobs, say=click.echo)
+    seed = TRAINING + RUNS_APART * chosen.seed
+    clips = made_stores(run, made, kind.name, lines, banned, seed=seed, jobs=jobs, say=click.echo)
     validation = made_store(run / "validation.npz", VALIDATION, 1000, kind.name, (), banned)
     batches, validate, normaliser = prepare(
         chosen, clips, people, validation, asked, unrelated_sentences(600), language, run, normaliser
