@@ -89,7 +89,7 @@ def prepare(
     """Token features, normaliser (where none is given, of these clips), and what draws batches and validates."""
     stores = [s for s in (made, real, validation_made, validation_real) if s is not None]
     texts = {text: i for i, text in enumerate(dict.fromkeys([*unrelated, *(t for s in stores for t in s.texts)]))}
-    tokens = TokenTable(list(texts), language, cache)
+    tokens = TokenTable(list(texts), language, cache, bf16=recipe.bf16)
     if normaliser is None:
         sources = [made.features] if real is None else [made.features, real.features]
         normaliser = Normaliser.of(np.concatenate([f[:: max(1, len(f) // 100_000)] for f in sources]))

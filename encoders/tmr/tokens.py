@@ -21,8 +21,11 @@ class TokenTable:
     sentences : float32 (N, width), unit sentence embeddings
     """
 
-    def __init__(self, texts: Sequence[str], language: LanguageModel, cache: Path | None = None) -> None:
-        stored = None if cache is None else cache / f"tokens-{_digest(texts, language.name)}.npz"
+    def __init__(
+        self, texts: Sequence[str], language: LanguageModel, cache: Path | None = None, *, bf16: bool = False
+    ) -> None:
+        model = f"{language.name} bf16" if bf16 else language.name
+        stored = None if cache is None else cache / f"tokens-{_digest(texts, model)}.npz"
         if stored is not None and stored.exists():
             with np.load(stored, allow_pickle=False) as arrays:
                 self.features, self.offsets = arrays["features"], arrays["offsets"]
@@ -30,7 +33,7 @@ class TokenTable:
             return
         blocks, means = [], []
         for start in range(0, len(texts), 4096):
-            rows = language.token_features(texts[start : start + 4096])
+            rows = language.token_features(texts[start : start + 4096], bf16=bf16)
             blocks += [row.astype(np.float16) for row in rows]
             means.append(mean_embeddings(rows))
         self.features = np.concatenate(blocks)
