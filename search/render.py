@@ -96,7 +96,8 @@ def plot_moments(
     ax.set_ylabel("similarity", fontsize=9, color=_INK)
     ax.tick_params(labelsize=8, colors=_INK)
     ax.spines[["top", "right"]].set_visible(False)
-    ax.legend(loc="upper right", fontsize=8.5, frameon=False, ncols=min(len(question.sentences), 3))
+    above_axes = {"loc": "lower right", "bbox_to_anchor": (1, 1), "borderaxespad": 0.0}
+    ax.legend(fontsize=8.5, frameon=False, ncols=min(len(question.sentences), 3), **above_axes)
     _save(figure, path)
 
 
