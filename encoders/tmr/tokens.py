@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -41,7 +42,9 @@ class TokenTable:
         self.sentences = np.concatenate(means)
         if stored is not None:
             cache.mkdir(parents=True, exist_ok=True)  # type: ignore[union-attr]
-            np.savez(stored, features=self.features, offsets=self.offsets, sentences=self.sentences)
+            partial = stored.with_suffix(".partial.npz")  # a stopped run leaves no half a table
+            np.savez(partial, features=self.features, offsets=self.offsets, sentences=self.sentences)
+            os.replace(partial, stored)
 
     def rows(self, indices: Sequence[int]) -> list[NDArray[np.float16]]:
         """Token features (L, width) of some sentences."""
