@@ -51,7 +51,7 @@ class Words:
 
     name = "words"
 
-    def token_features(self, sentences: list[str]) -> list[np.ndarray]:
+    def token_features(self, sentences: list[str], *, bf16: bool = False) -> list[np.ndarray]:
         return [np.stack([self._vector(word) for word in sentence.split()]) for sentence in sentences]
 
     @staticmethod
