@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indexer.vector_files import load, save
-from indexer.vectors import FlatVectors, Rows
+from indexer.vectors import LOOSE, LOOSE_WHERE_SETTLED, FlatVectors, Rows
 from indexer.windows import ends_of
 
 
@@ -75,7 +75,8 @@ class Galleries:
             changed = connection.execute("SELECT id FROM clips WHERE generation > ?", (index.generation,))
             remove = np.array([row[0] for row in changed], np.int64)
             added = _rows(connection, kind, model_id, index.generation, size)
-            caught_up = index.update(generation, remove=remove, add=added)
+            loose = LOOSE_WHERE_SETTLED if often else LOOSE
+            caught_up = index.update(generation, remove=remove, add=added, loose=loose)
             index = caught_up if caught_up.shares_block(index) else self._saved(kind, model, caught_up)
         index = index.settled() if often else index
         self._held[kind.name] = (model, index)

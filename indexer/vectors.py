@@ -18,7 +18,7 @@ from indexer.remembered import Remembering
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-__all__ = ["CLUSTERED_FROM", "FlatVectors", "Found", "Rows", "Vectors", "block_around"]
+__all__ = ["CLUSTERED_FROM", "LOOSE", "LOOSE_WHERE_SETTLED", "FlatVectors", "Found", "Rows", "Vectors", "block_around"]
 
 #: Rows from which on a main block is searched by clusters: exact search then costs more than 2 ms a query.
 CLUSTERED_FROM = 80_000
@@ -27,8 +27,9 @@ CLUSTERED_FROM = 80_000
 #: would not do: what is new is often unlike what was there, and lies far from all their centres.
 LATER_CLUSTERED_FROM = 8192
 
-#: Share of rows that came or went since the main block was made, from which on a new one is made.
-_LOOSE = 0.05
+#: Share of rows that came or went since the main block was made, from which on a new one is made. Whoever answers all
+#: the time puts that off: it takes a minute of a core, and what came later is found nearly as fast.
+LOOSE, LOOSE_WHERE_SETTLED = 0.05, 0.25
 
 
 class Vectors(Protocol):
@@ -102,13 +103,13 @@ class FlatVectors:
     def __len__(self) -> int:
         return self._count
 
-    def update(self, generation: int, *, remove: NDArray[np.int64], add: Rows) -> FlatVectors:
-        """See `Vectors.update`; costs about as much as what is removed and added."""
+    def update(self, generation: int, *, remove: NDArray[np.int64], add: Rows, loose: float = LOOSE) -> FlatVectors:
+        """See `Vectors.update`; costs about as much as what is removed and added, or `loose` is reached."""
         main, *later = (part.without(remove) for part in (self._main, *self._later))
         later += [Part(Block.of(add))] if len(add) else []
         changed = FlatVectors(generation, main, _merged(later))
         lost = len(main.block) - len(main)
-        return changed if lost + sum(map(len, later)) <= _LOOSE * len(main.block) else changed.compacted()
+        return changed if lost + sum(map(len, later)) <= loose * len(main.block) else changed.compacted()
 
     def settled(self) -> FlatVectors:
         """The same for whoever will search often: all that is large in clusters, and the main block's answers held.

@@ -107,6 +107,7 @@ def test_small_changes_leave_the_main_block_alone_and_large_ones_make_a_new_one(
     index = FlatVectors.of(1, rows(np.arange(100)))
     assert index.update(2, remove=np.array([5]), add=rows([200])).shares_block(index)
     assert not index.update(2, remove=np.arange(50), add=Rows.none(SIZE)).shares_block(index)
+    assert index.update(2, remove=np.arange(20), add=Rows.none(SIZE), loose=0.25).shares_block(index)
 
 
 @pytest.mark.slow
