@@ -54,10 +54,8 @@ def touched(monkeypatch):
 def grown(index, batches=LATER, *, loose=10.0):
     """The index after so many updates, and all they added."""
     added = [some_rows(BATCH, 10_000 + 100 * i, seed=i + 1) for i in range(batches)]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(vectors, "_LOOSE", loose)
-        for i, rows in enumerate(added):
-            index = index.update(i + 2, remove=np.unique(rows.owners), add=rows).settled()
+    for i, rows in enumerate(added):
+        index = index.update(i + 2, remove=np.unique(rows.owners), add=rows, loose=loose).settled()
     return index, Rows.join(added)
 
 
@@ -110,9 +108,7 @@ def test_what_was_added_to_clusters_is_found_as_what_was_there_before(small_limi
 
 def test_what_came_is_exact_until_many_searches_are_to_come(small_limits):
     new = some_rows(8 * BATCH, 50_000, seed=3)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(vectors, "_LOOSE", 1.0)
-        index = FlatVectors.of(1, some_rows(FIRST, 1, seed=0)).update(2, remove=np.empty(0, np.int64), add=new)
+    index = FlatVectors.of(1, some_rows(FIRST, 1, seed=0)).update(2, remove=np.empty(0, np.int64), add=new, loose=1.0)
     assert [type(part.block) for part in index._later] == [Block]
     assert [type(part.block) for part in index.settled()._later] == [ClusteredBlock]
     assert index.settled().settled()._later[0].block.index.ntotal == len(new)
