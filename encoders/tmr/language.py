@@ -191,7 +191,7 @@ class LanguageModel:
     def token_features(
         self, sentences: Sequence[str], *, batch_tokens: int = 4096, bf16: bool = False
     ) -> list[NDArray[np.float32]]:
-        """Features of each sentence's tokens, (L, width) each; batched by length; as bf16 in half the time."""
+        """Features of each sentence's tokens, (L, width) each; batched by length; in half precision if `bf16`."""
         ids = self.tokenize(sentences)
         order = sorted(range(len(ids)), key=lambda i: len(ids[i]))
         features: list[NDArray[np.float32]] = [np.empty(0, np.float32)] * len(ids)

@@ -94,7 +94,7 @@ def positions(count: int, width: int, device: torch.device | None = None) -> Ten
 
 
 class Dropout(nn.Module):
-    """As `nn.Dropout`, with a chance in 256ths: a random byte a number takes a CPU a third of the time."""
+    """As `nn.Dropout`, with a chance in 256ths: random bytes are quicker to draw than random decisions."""
 
     def __init__(self, chance: float) -> None:
         super().__init__()
