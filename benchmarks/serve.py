@@ -33,10 +33,12 @@ import numpy as np
 
 from benchmarks.simulated import all_sentences, asked, simulate
 from encoders import bundle as bundles
-from indexer.blocks import Block, Part
-from indexer.gallery import CLIPS, WINDOWS
+from indexer.blocks import Block
+from indexer.gallery import CLIPS, WINDOWS, Galleries
 from indexer.library import FILE, Library
+from indexer.vectors import FlatVectors
 from search.engine import SearchableLibrary
+from search.query import encode_queries
 
 _CONNECTIONS = 64
 
@@ -128,15 +130,18 @@ async def load(
     return found
 
 
-def recall(folder: Path, sentences: list[str], k: int = 10) -> float:
-    """Share of the answers an exact search gives that are given."""
+def recall(folder: Path, sentences: list[str]) -> dict[str, float]:
+    """By the name of an index: share of the rows an exact search gives for sentences that are given."""
+    found = {}
     with SearchableLibrary.open(folder) as library:
-        given = [{hit.clip_id for hit in library.search(sentence, k)} for sentence in sentences]
-        for kind in (CLIPS, WINDOWS):
-            index = library._galleries.current(kind, library.connection)
-            index._main, index._later = Part(Block.of(index.rows)), ()
-        exact = [{hit.clip_id for hit in library.search(sentence, k)} for sentence in sentences]
-    return float(np.mean([len(a & b) / len(b) for a, b in zip(given, exact, strict=True)]))
+        queries, galleries = encode_queries(library.bundle, sentences), Galleries(library.folder / "vectors")
+        for kind, k in ((CLIPS, 10), (WINDOWS, 160)):
+            index = galleries.current(kind, library.connection)
+            exact = FlatVectors(index.generation, Block.of(index.rows))
+            given, wanted = (np.stack(of.search(queries, k)[1:], axis=-1).tolist() for of in (index, exact))
+            shares = [len({*map(tuple, g)} & {*map(tuple, w)}) / k for g, w in zip(given, wanted, strict=True)]
+            found[f"{kind.name}, the best {k}"] = float(np.mean(shares))
+    return found
 
 
 def command(*arguments: object) -> subprocess.Popen[bytes]:
@@ -244,7 +249,8 @@ def main() -> None:
         stats = library.stats()
     print(f"{stats['clips']} clips, {stats['windows']} windows; indexes ready in {time.perf_counter() - began:.0f} s")
     if given.recall:
-        print(f"recall of the exact ten: {recall(given.library, all_sentences()[: given.recall]):.3f}")
+        for name, share in recall(given.library, all_sentences()[: given.recall]).items():
+            print(f"recall of {name}: {share:.3f}")
     indexing = Indexing(given.while_indexing, given.library)
     with ended(serve(given.library, given.port)) as server:
 
