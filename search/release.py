@@ -21,6 +21,7 @@ from encoders.tmr.export import export_bundle
 from encoders.tmr.language import LanguageModel
 from encoders.tmr.material import unrelated_sentences
 from encoders.tmr.network import TMR
+from encoders.tmr.normaliser import Normaliser
 from encoders.tmr.recipe import Recipe
 from search.calibrate import calibrate
 
@@ -52,8 +53,7 @@ def release(
     recipe, weights, steps = mean_weights(runs)
     model = TMR(recipe.network)
     model.load_state_dict(weights)
-    with np.load(runs[0] / "normaliser.npz", allow_pickle=False) as arrays:
-        mean, std = arrays["mean"], arrays["std"]
+    normaliser = Normaliser.load(runs[0])
 
     def export(calibration: Mapping[str, Any] | None) -> Bundle:
         export_bundle(
@@ -62,8 +62,8 @@ def release(
             motion_encoder=model.eval().motion_encoder,
             text_encoder=model.text_encoder,
             language=LanguageModel.load(),
-            mean=mean,
-            std=std,
+            mean=normaliser.mean,
+            std=normaliser.std,
             feature_kind=kind,
             max_frames=recipe.max_frames,
             training={"steps": steps, "batch": recipe.batch, **(training or {})},
@@ -91,8 +91,8 @@ def mean_weights(runs: Sequence[Path]) -> tuple[Recipe, dict[str, torch.Tensor],
         recipe = Recipe.from_dict(json.loads((run / "recipe.json").read_text(encoding="utf-8")))
         recipes.append(replace(recipe, network=replace(recipe.network, decoder=None)))
         saved.append(torch.load(run / "last.pt", weights_only=True))
-        with np.load(run / "normaliser.npz", allow_pickle=False) as arrays:
-            norms.append(np.stack([arrays["mean"], arrays["std"]]))
+        normaliser = Normaliser.load(run)
+        norms.append(np.stack([normaliser.mean, normaliser.std]))
         if recipes[-1].network != recipes[0].network or not np.array_equal(norms[-1], norms[0]):
             raise MotionSeekError(f"{run}: has other sizes or another normaliser than {runs[0]}; release it by itself")
     names = TMR(recipes[-1].network).state_dict()

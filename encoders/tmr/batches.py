@@ -33,12 +33,14 @@ class Batch:
     texts : rows (L, width)
     ignore : boolean (texts, motions), True where a pair counts neither way
     swapped : (S,) for the S texts right after the motions' own: the motion of which each is nearly, yet not, true
+    picked : (motions,) which pairs these are, the made ones counted first and the real ones on from there
     """
 
     motions: list[NDArray[np.float32]]
     texts: list[NDArray[np.float16]]
     ignore: Tensor
     swapped: Tensor
+    picked: NDArray[np.int64]
 
 
 class Batches:
@@ -88,7 +90,9 @@ class Batches:
         for extra, (row, _) in enumerate(swapped):
             ignore[len(own) + extra] = True
             ignore[len(own) + extra, row] = False
-        return Batch(motions, texts, torch.from_numpy(ignore), torch.tensor([row for row, _ in swapped]).long())
+        picked = np.array([i if store is self.made else len(self.made) + i for store, i in picks])
+        twins = torch.tensor([row for row, _ in swapped]).long()
+        return Batch(motions, texts, torch.from_numpy(ignore), twins, picked)
 
     def _made(self, count: int, rng: np.random.Generator, hard: bool) -> NDArray[np.int64]:
         """Indices of `count` made clips; with `hard` a share of them in groups that the model finds alike."""

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+
+_FILE = "normaliser.npz"
 
 
 @dataclass(frozen=True)
@@ -20,3 +23,13 @@ class Normaliser:
         """From features (N, F), of which at most 200,000 rows are looked at."""
         rows = features[:: max(1, len(features) // 200_000)].astype(np.float32)
         return cls(rows.mean(0), np.maximum(rows.std(0), 0.02))
+
+    def save(self, run: Path) -> None:
+        """Keep it in a run's folder."""
+        np.savez(run / _FILE, mean=self.mean, std=self.std)
+
+    @classmethod
+    def load(cls, run: Path) -> Normaliser:
+        """Inverse of `save`."""
+        with np.load(run / _FILE, allow_pickle=False) as arrays:
+            return cls(arrays["mean"], arrays["std"])

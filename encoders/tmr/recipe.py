@@ -50,6 +50,7 @@ class Recipe:
     yaw, tilt : standard deviations in degrees by which a clip's frame is turned about the vertical, and tilted
     words_lost : chance of each word piece to be left out of a sentence
     averaging : decay of the running mean of weights that is kept
+    gist_steps : steps at the end in which the gist alone learns
     sampled : the contrastive term sees sampled latents, as published, instead of means
     decoded : motions a batch that are reconstructed
     seed : of weights, batches and the clips that are made
@@ -81,6 +82,7 @@ class Recipe:
     tilt: float = 1.0
     words_lost: float = 0.05
     averaging: float = 0.995
+    gist_steps: int = 2500
     sampled: bool = False
     decoded: int = 64
     max_frames: int = 128

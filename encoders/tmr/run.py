@@ -115,5 +115,5 @@ def train(
 ) -> TMR:
     """Train (or go on training) in `folder`, a new run from `start`; the normaliser is kept beside the run."""
     trainer = Trainer(folder, recipe, batches, start)
-    np.savez(folder / "normaliser.npz", mean=normaliser.mean, std=normaliser.std)
+    normaliser.save(folder)
     return trainer.run(evaluate=validate, every=every, minutes=minutes, say=say)

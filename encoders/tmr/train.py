@@ -15,6 +15,7 @@ import torch
 from encoders.errors import MotionSeekError
 from encoders.tmr import losses
 from encoders.tmr.batches import Batches
+from encoders.tmr.gist import teach_gist
 from encoders.tmr.network import TMR
 from encoders.tmr.objective import step_losses
 from encoders.tmr.recipe import Recipe
@@ -55,7 +56,7 @@ class Trainer:
             lr=recipe.rate,
             betas=(0.9, 0.98),
         )
-        self.step = 0
+        self.step, self.taught = 0, False
         folder.mkdir(parents=True, exist_ok=True)
         if (folder / "last.pt").exists():
             self._restore()
@@ -81,6 +82,11 @@ class Trainer:
                     log.write(json.dumps(row) + "\n")
                 say("  ".join(f"{k} {v:.4g}" for k, v in row.items()))
                 self._save()
+        lesson = self.recipe.gist_steps and self.model.text_encoder.gist is not None
+        if lesson and not self.taught and self.step == self.recipe.steps:
+            self._teach()
+            if evaluate is not None:
+                say("  ".join(f"{k} {v:.4g}" for k, v in evaluate(self.averaged()).items()))
         self._save()
         return self.averaged()
 
@@ -118,6 +124,13 @@ class Trainer:
         self.step += 1
         return {k: v.item() for k, v in terms.items()} | {"temperature": self.log_temperature.exp().item()}
 
+    def _teach(self) -> None:
+        """The last lesson, of the averaged weights."""
+        model = self.averaged()
+        teach_gist(model, self.batches, self.log_temperature.exp().item(), self.recipe)
+        self.average = model.state_dict()
+        self.taught = True
+
     def _place(self) -> None:
         """Let batches know what the model finds alike, now and then."""
         if self.batches.places is None or self.step % _PLACED_EVERY == 0:
@@ -128,6 +141,7 @@ class Trainer:
         torch.save(
             {
                 "step": self.step,
+                "taught": self.taught,
                 "model": self.model.state_dict(),
                 "average": self.average,
                 "log_temperature": self.log_temperature.detach(),
@@ -145,7 +159,7 @@ class Trainer:
         if begun.network != self.recipe.network:
             raise MotionSeekError(f"{self.folder}: was begun with another network; train it in a folder of its own")
         saved = torch.load(self.folder / "last.pt", weights_only=True)
-        self.step = saved["step"]
+        self.step, self.taught = saved["step"], saved.get("taught", False)
         self.model.load_state_dict(saved["model"])
         self.average = saved["average"]
         with torch.no_grad():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from importlib.util import find_spec
 from itertools import product
 from pathlib import Path
@@ -14,9 +15,13 @@ from encoders.errors import QueryError
 from search.commands import options
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from encoders.corpus.language import HeldOut
     from encoders.kinds import FeatureKind
     from encoders.tmr.data import PairStore
+    from encoders.tmr.network import TMR
+    from encoders.tmr.normaliser import Normaliser
     from encoders.tmr.recipe import Recipe
 
 _FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
@@ -33,8 +38,10 @@ _RECOMBINED = 1500
 @click.option("--sentences", type=_FILE, help="Human sentences to act out, one a line.")
 @click.option("--held-out", type=_FILE, multiple=True, help="File whose sentences must not become captions.")
 @click.option("--recipe", type=_FILE, help="JSON of recipe fields that differ from the default.")
-@click.option("--from", "origin", type=_FOLDER, help="Bundle to go on from, in a new run.")
-@click.option("--steps", type=click.IntRange(1), help="Training steps.")
+@click.option(
+    "--from", "origins", type=_FOLDER, multiple=True, help="Bundle, or runs whose mean, to go on from in a new run."
+)
+@click.option("--steps", type=click.IntRange(0), help="Training steps; 0: only the last lesson, of the gist.")
 @click.option(
     "--minutes", type=click.FloatRange(min=0), default=float("inf"), help="Stop after so long; run again to go on."
 )
@@ -47,7 +54,7 @@ def train(
     sentences: Path | None,
     held_out: tuple[Path, ...],
     recipe: Path | None,
-    origin: Path | None,
+    origins: tuple[Path, ...],
     steps: int | None,
     minutes: float,
     jobs: int | None,
@@ -69,7 +76,6 @@ def train(
     from encoders.kinds import FEATURE_KINDS
     from encoders.tmr.language import LanguageModel
     from encoders.tmr.material import made_store, made_stores, unrelated_sentences
-    from encoders.tmr.restore import restore
     from encoders.tmr.run import prepare
     from encoders.tmr.run import train as train_in
 
@@ -77,7 +83,7 @@ def train(
         raise click.UsageError("--real and --captions belong together")
     chosen = read_recipe(recipe, steps)
     kind = FEATURE_KINDS["body"]
-    start, normaliser = restore(origin, chosen.network) if origin else (None, None)
+    start, normaliser = begin(origins, chosen) if origins else (None, None)
     language = LanguageModel.load()
     banned = HeldOut(text for path in held_out for text in _sentences(path))
     lines = [text for text in _sentences(sentences) if not banned(text)] if sentences else []
@@ -89,6 +95,33 @@ def train(
         chosen, clips, people, validation, asked, unrelated_sentences(600), language, run, normaliser
     )
     train_in(run, chosen, batches, validate, normaliser, start=start, every=100, minutes=minutes, say=click.echo)
+
+
+def begin(origins: Sequence[Path], recipe: Recipe) -> tuple[TMR, Normaliser]:
+    """The model and the normaliser of a bundle, or of runs the mean of whose weights is taken."""
+    from encoders.tmr.network import TMR
+    from encoders.tmr.normaliser import Normaliser
+    from encoders.tmr.restore import restore
+    from search.release import mean_weights
+
+    if len(origins) == 1 and not (origins[0] / "last.pt").is_file():
+        return restore(origins[0], recipe.network)
+    need_runs(origins)
+    known, weights, _ = mean_weights(origins)
+    if known.network != replace(recipe.network, decoder=None):
+        raise QueryError(f"{origins[0]}: has other networks than the recipe")
+    model = TMR(recipe.network)
+    model.load_state_dict(weights, strict=recipe.network.decoder is None)
+    return model, Normaliser.load(origins[0])
+
+
+def need_runs(folders: Sequence[Path]) -> None:
+    """Stop where a folder is no run to take weights from."""
+    for run, file in product(folders, ("recipe.json", "last.pt", "normaliser.npz")):
+        if not (run / file).is_file():
+            raise click.ClickException(
+                f"{run}: no finished run, for {file} is missing; 'motionseek model train' makes it"
+            )
 
 
 def need_extra() -> None:
@@ -110,7 +143,7 @@ def read_recipe(path: Path | None, steps: int | None) -> Recipe:
     if unknown:
         raise click.UsageError(f"{path}: a recipe has no {', '.join(unknown)}; see docs/training.md")
     try:
-        return Recipe.from_dict(default | changes | ({"steps": steps} if steps else {}))
+        return Recipe.from_dict(default | changes | ({} if steps is None else {"steps": steps}))
     except (KeyError, TypeError, ValueError) as error:
         raise click.UsageError(f"{path}: no recipe ({error!r}); see docs/training.md") from None
 
@@ -155,11 +188,7 @@ def release(
     from indexer.captioned import captioned_takes
     from search.release import release as release_run
 
-    for run, file in product(runs, ("recipe.json", "last.pt", "normaliser.npz")):
-        if not (run / file).is_file():
-            raise click.ClickException(
-                f"{run}: no finished run, for {file} is missing; 'motionseek model train' makes it"
-            )
+    need_runs(runs)
     training = options.read_object(notes) if notes else None
     takes = list(captioned_takes(real, captions, "val")) if real and captions else []
     bundle = release_run(runs, folder, name=name, training=training, takes=takes)

@@ -18,6 +18,7 @@ from encoders.tmr.batches import Batches  # noqa: E402
 from encoders.tmr.data import Pair, PairStore  # noqa: E402
 from encoders.tmr.losses import contrastive, telling_apart  # noqa: E402
 from encoders.tmr.network import Config, Tower  # noqa: E402
+from encoders.tmr.padding import pad  # noqa: E402
 from encoders.tmr.recipe import Recipe  # noqa: E402
 from encoders.tmr.run import prepare  # noqa: E402
 from encoders.tmr.train import Trainer, learning_rate  # noqa: E402
@@ -108,6 +109,32 @@ def test_a_run_that_was_stopped_ends_as_one_that_was_not(prepared, tmp_path: Pat
     assert resumed.step == 4
     for name, value in resumed.run(say=str).state_dict().items():
         assert torch.equal(value, whole.state_dict()[name]), name
+
+
+def test_at_last_the_gist_alone_learns(prepared, tmp_path: Path) -> None:
+    batches, _, _ = prepared
+    network = replace(RECIPE.network, decoder=None, text=replace(RECIPE.network.text, gist=16))
+    recipe = replace(RECIPE, network=network, steps=10)
+    before, after = (
+        Trainer(tmp_path / str(steps), replace(recipe, gist_steps=steps), batches).run(say=str) for steps in (0, 60)
+    )
+    changed = {n for n, value in after.state_dict().items() if not torch.equal(value, before.state_dict()[n])}
+    assert changed == {n for n in after.state_dict() if ".gist." in n}
+    batch = batches.draw(np.random.default_rng(3), hard=False)
+    with torch.inference_mode():
+        motion = after.motion_encoder.mean(*pad(batch.motions))
+        loss = [
+            contrastive(m.text_encoder.gist(*pad(batch.texts)), motion, 0.07, batch.ignore) for m in (before, after)
+        ]
+    assert loss[1] < 0.7 * loss[0]
+
+
+def test_a_finished_run_is_not_taught_again(prepared, tmp_path: Path) -> None:
+    batches, _, _ = prepared
+    network = replace(RECIPE.network, decoder=None, text=replace(RECIPE.network.text, gist=16))
+    recipe = replace(RECIPE, network=network, steps=2, gist_steps=3)
+    once, twice = (Trainer(tmp_path / "run", recipe, batches).run(say=str).state_dict() for _ in range(2))
+    assert all(torch.equal(once[name], twice[name]) for name in once)
 
 
 def test_a_run_does_not_go_on_with_another_network(prepared, tmp_path: Path) -> None:
