@@ -114,7 +114,7 @@ def test_a_run_that_was_stopped_ends_as_one_that_was_not(prepared, tmp_path: Pat
 def test_at_last_the_gist_alone_learns(prepared, tmp_path: Path) -> None:
     batches, _, _ = prepared
     network = replace(RECIPE.network, decoder=None, text=replace(RECIPE.network.text, gist=16))
-    recipe = replace(RECIPE, network=network, steps=10)
+    recipe = replace(RECIPE, network=network, steps=10, weights=replace(RECIPE.weights, gist=0.0))
     before, after = (
         Trainer(tmp_path / str(steps), replace(recipe, gist_steps=steps), batches).run(say=str) for steps in (0, 60)
     )
@@ -126,7 +126,7 @@ def test_at_last_the_gist_alone_learns(prepared, tmp_path: Path) -> None:
         loss = [
             contrastive(m.text_encoder.gist(*pad(batch.texts)), motion, 0.07, batch.ignore) for m in (before, after)
         ]
-    assert loss[1] < 0.7 * loss[0]
+    assert loss[1] < 0.8 * loss[0]
 
 
 def test_a_finished_run_is_not_taught_again(prepared, tmp_path: Path) -> None:
