@@ -63,9 +63,10 @@ class Batches:
         self.unrelated = np.array([texts[t] for t in unrelated])
         self.places: NDArray[np.float32] | None = None
 
-    def place(self, model: TMR) -> None:
+    def place(self, model: TMR) -> NDArray[np.float32]:
         """Find where this model puts every made clip, (N, D): from now on some come with others that lie near them."""
         self.places = embed_motions(model, self.made, self.normaliser, self.recipe.max_frames)
+        return self.places
 
     def draw(self, rng: np.random.Generator, *, hard: bool = True) -> Batch:
         """One batch; `hard`: with clips that are hard to tell apart and with changed twins of captions."""

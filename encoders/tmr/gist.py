@@ -29,8 +29,10 @@ def teach_gist(model: TMR, batches: Batches, temperature: float, recipe: Recipe)
     assert gist is not None
     gist.requires_grad_(True).train()
     rng, tau = np.random.default_rng(recipe.seed), torch.tensor(temperature)
-    stores = [store for store in (batches.made, batches.real) if store]
-    motions = np.concatenate([embed_motions(model, s, batches.normaliser, recipe.max_frames) for s in stores])
+    motions = batches.place(model)
+    if batches.real:
+        real = embed_motions(model, batches.real, batches.normaliser, recipe.max_frames)
+        motions = np.concatenate([motions, real])
     optimiser = torch.optim.AdamW(gist.parameters(), lr=recipe.rate, weight_decay=recipe.decay, betas=(0.9, 0.98))
     schedule = torch.optim.lr_scheduler.OneCycleLR(
         optimiser, recipe.rate, total_steps=recipe.gist_steps, pct_start=_WARMUP, div_factor=20, cycle_momentum=False
