@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from importlib.util import find_spec
-from itertools import product
+from itertools import chain, product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -73,6 +73,7 @@ def train(
     need_extra()
     from encoders.corpus.language import HeldOut
     from encoders.corpus.seeds import RUNS_APART, TRAINING, VALIDATION
+    from encoders.corpus.unseen.words import wordings
     from encoders.kinds import FEATURE_KINDS
     from encoders.tmr.language import LanguageModel
     from encoders.tmr.material import made_store, made_stores, unrelated_sentences
@@ -85,7 +86,7 @@ def train(
     kind = FEATURE_KINDS["body"]
     start, normaliser = begin(origins, chosen) if origins else (None, None)
     language = LanguageModel.load()
-    banned = HeldOut(text for path in held_out for text in _sentences(path))
+    banned = HeldOut(chain(*wordings().values(), *(_sentences(path) for path in held_out)))
     lines = [text for text in _sentences(sentences) if not banned(text)] if sentences else []
     people, asked = real_stores(real, captions, kind, banned) if real and captions else (None, None)
     seed = TRAINING + RUNS_APART * chosen.seed

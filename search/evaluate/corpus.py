@@ -7,7 +7,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from encoders.bundle import Bundle
+from encoders.corpus.facts import facts
 from encoders.corpus.made import Made, true_of
+from encoders.corpus.unseen.words import wordings
 from encoders.metrics import in_batches, ranks, recalls, text_motion
 
 _BATCH = 32
@@ -20,8 +22,10 @@ def evaluate_corpus(clips: Iterable[Made], bundle: Bundle) -> dict[str, dict[str
     -------
     dict
         "same sentence": clips with the same sentence count as right; "true of it": every clip of which the sentence
-        is known to be true counts; "batches of 32"; "swapped": percent of clips whose true caption scores above a
-        false one that differs in order, side, direction or count. What there are too few clips for is left out.
+        is known to be true counts; "words never met": sentences in which no caption puts it, about actions that
+        the clips show, true of every clip that shows the action; "batches of 32"; "swapped": percent of clips whose
+        true caption scores above a false one that differs in order, side, direction or count. What there are too few
+        clips for is left out.
     """
     clips = list(clips)
     gallery = bundle.encode_features([clip.features[: bundle.max_frames] for clip in clips])
@@ -35,6 +39,14 @@ def evaluate_corpus(clips: Iterable[Made], bundle: Bundle) -> dict[str, dict[str
         "same sentence, motion -> text": both["motion->text"],
         "true of it, text -> motion": recalls(ranks(similarity, true)),
     }
+    shown = [facts(clip.scene) for clip in clips]
+    asked = [
+        (text, action) for action, texts in wordings().items() if any(action in f for f in shown) for text in texts
+    ]
+    if asked:
+        right = np.array([[action in found for found in shown] for _, action in asked])
+        never_met = bundle.encode_texts([text for text, _ in asked]) @ gallery.T
+        figures["words never met, text -> motion"] = recalls(ranks(never_met, right))
     if len(clips) >= _BATCH:
         figures[f"batches of {_BATCH}, text -> motion"] = in_batches(similarity, _BATCH)["text->motion"]
     changed = [i for i, clip in enumerate(clips) if clip.swapped and clip.swapped[0]]

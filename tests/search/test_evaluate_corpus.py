@@ -7,6 +7,7 @@ import pytest
 
 from encoders.corpus.made import Made
 from encoders.corpus.scene import Scene, Step
+from search.evaluate import corpus
 from search.evaluate.corpus import evaluate_corpus
 from tests.search.answers import SENTENCES, KnownAnswers
 
@@ -49,6 +50,16 @@ def test_clips_of_which_the_sentence_is_also_true_count() -> None:
     asked = 1 / 32
     true, same = figures["true of it, text -> motion"]["R@1"], figures["same sentence, text -> motion"]["R@1"]
     assert true - same == pytest.approx(100 * asked)
+
+
+def test_sentences_in_words_never_met_are_true_of_every_clip_that_shows_the_action(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    never = {"kind0": (SENTENCES[0], SENTENCES[1]), "another": (SENTENCES[2],)}
+    monkeypatch.setattr(corpus, "wordings", lambda: never)
+    clips = [clip(shown, 0) for shown in (0, 0, 3, 4)] + [clip(1, 1), clip(2, 2)]
+    figures = evaluate_corpus(clips, KnownAnswers())  # type: ignore[arg-type]
+    assert figures["words never met, text -> motion"]["R@1"] == 50.0, "what nothing shows is not asked"
 
 
 def test_what_so_few_clips_cannot_show_is_left_out() -> None:

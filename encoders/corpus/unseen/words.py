@@ -1,6 +1,11 @@
-"""How people call the actions and the manners that training never meets."""
+"""How people call the actions and the manners that training never meets, and known ones in words it never meets."""
 
 from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
 
 from numpy.random import Generator
 
@@ -75,3 +80,10 @@ def sentence(action: str, rng: Generator) -> str:
 def in_the_manner(text: str, style: str, rng: Generator) -> str:
     """A sentence that says the manner too."""
     return f"{text.rstrip(' .')} {rng.choice(STYLES[style])}"
+
+
+@cache
+def wordings() -> Mapping[str, tuple[str, ...]]:
+    """Sentences that say of a known action that somebody does it, by action; no caption may equal one of them."""
+    stored = json.loads((Path(__file__).parent / "wordings.json").read_text("utf-8"))
+    return {action: tuple(sentences) for action, sentences in stored.items()}
