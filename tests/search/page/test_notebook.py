@@ -58,11 +58,16 @@ def _moves(page: Any, place: int = 0, *, within: int = 10_000) -> bool:
     return False
 
 
+def _rests(page: Any, place: int = 0) -> bool:
+    """Whether a canvas comes to rest; a busy machine draws its last frame late."""
+    return any(not _moves(page, place, within=400) for _ in range(10))
+
+
 def test_a_motion_moves_and_stops_where_it_is_clicked(shown: Shown) -> None:
     page = shown(made_motion(4, 0)._repr_html_())
     assert _moves(page)
     page.click("canvas")
-    assert not _moves(page, within=400)
+    assert _rests(page)
     assert page.get_attribute("canvas", "aria-label").startswith("Play: ")
     page.keyboard.press("Space")
     assert _moves(page)
@@ -81,7 +86,7 @@ def test_a_figure_turns_by_dragging_and_by_keys(shown: Shown) -> None:
     page.keyboard.press("ArrowLeft")
     sums.append(canvas.evaluate(_SUM))
     assert len(set(sums)) == 3
-    assert not _moves(page, within=400)  # a drag is no click
+    assert _rests(page)  # a drag is no click
 
 
 def test_who_wants_no_motion_gets_a_still_until_asking_for_it(shown: Shown) -> None:
@@ -100,7 +105,7 @@ def test_several_on_one_page_leave_each_other_alone(shown: Shown) -> None:
     assert page.locator("canvas").count() == 7
     assert all(_moves(page, place) for place in (0, 1, 3))
     page.locator("canvas").nth(1).click()
-    assert not _moves(page, 1, within=400)
+    assert _rests(page, 1)
     assert _moves(page, 2)
 
 
