@@ -35,8 +35,9 @@ Vectors = NDArray[np.float32]
 #: Seconds between two looks at whether the library has grown.
 _LOOK_EVERY = 0.5
 _CHANGED = "SELECT id FROM clips WHERE generation > ?"
-_SAID = "SELECT count(*), max(id), total(id), total(text_id), total(clip_id) FROM captions"
-_SAID_BEFORE = f"{_SAID} WHERE clip_id NOT IN ({_CHANGED})"
+_SAID = "SELECT count(*), max(id), total(id), total(text_id), total(clip_id) FROM captions WHERE clip_id IS NOT NULL"
+_SAID_BEFORE = f"{_SAID} AND clip_id NOT IN ({_CHANGED})"
+_NEWEST = "SELECT coalesce(max(id), 0) FROM clips WHERE generation <= ?"
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,10 @@ class ServedLibrary(SearchableLibrary):
             self.standing.clear(generation)  # a caption that is shown may have changed
             return
         changed = np.array([id for (id,) in connection.execute(_CHANGED, (before.generation,))], np.int64)
+        (newest,) = connection.execute(_NEWEST, (before.generation,)).fetchone()
+        if (changed <= newest).any():  # what went or changed may have kept something else out of an answer
+            self.standing.clear(generation)
+            return
         added = [self._galleries.since(kind, connection, before.generation).vectors for kind in (CLIPS, WINDOWS)]
         self.standing.grow(generation, changed, np.concatenate(added).astype(np.float32))
 
