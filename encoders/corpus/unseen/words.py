@@ -84,6 +84,9 @@ def in_the_manner(text: str, style: str, rng: Generator) -> str:
 
 @cache
 def wordings() -> Mapping[str, tuple[str, ...]]:
-    """Sentences that say of a known action that somebody does it, by action; no caption may equal one of them."""
+    """Sentences that say of a known action that somebody does it, by action; no caption may equal one of them.
+
+    They were drawn from `phrases.json`, phrases that no model has been trained with yet.
+    """
     stored = json.loads((Path(__file__).parent / "wordings.json").read_text("utf-8"))
     return {action: tuple(sentences) for action, sentences in stored.items()}
