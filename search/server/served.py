@@ -42,12 +42,13 @@ _NEWEST = "SELECT coalesce(max(id), 0) FROM clips WHERE generation <= ?"
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The vectors of one generation, the number of clips, and numbers that change with any caption."""
+    """The vectors of one generation, the number of clips, the newest one, and numbers that change with any caption."""
 
     generation: int
     clips: FlatVectors
     windows: FlatVectors
     count: int
+    newest: int
     said: tuple[float, ...]
 
 
@@ -126,13 +127,11 @@ class ServedLibrary(SearchableLibrary):
         if connection.execute(_SAID_BEFORE, (before.generation,)).fetchone() != before.said:
             self.standing.clear(generation)  # a caption that is shown may have changed
             return
-        changed = np.array([id for (id,) in connection.execute(_CHANGED, (before.generation,))], np.int64)
-        (newest,) = connection.execute(_NEWEST, (before.generation,)).fetchone()
-        if (changed <= newest).any():  # what went or changed may have kept something else out of an answer
-            self.standing.clear(generation)
+        if any(id <= before.newest for (id,) in connection.execute(_CHANGED, (before.generation,))):
+            self.standing.clear(generation)  # what went or changed may have kept something else out of an answer
             return
         added = [self._galleries.since(kind, connection, before.generation).vectors for kind in (CLIPS, WINDOWS)]
-        self.standing.grow(generation, changed, np.concatenate(added).astype(np.float32))
+        self.standing.grow(generation, np.concatenate(added).astype(np.float32))
 
     def grounds(self, question: Search, hits: Sequence[Hit]) -> Grounds:
         """What the answer to a question stands on.
@@ -141,12 +140,14 @@ class ServedLibrary(SearchableLibrary):
         last hit nothing has any say.
         """
         floor = hits[-1].score - WINDOW_MARGIN if len(hits) == question.k else -np.inf
-        return Grounds(self.encode_all([question.text])[0], floor, frozenset(hit.clip_id for hit in hits))
+        return Grounds(self.encode_all([question.text])[0], floor)
 
     def _look(self) -> Snapshot:
         clips, windows = (self._galleries.current(kind, self.connection, often=True) for kind in (CLIPS, WINDOWS))
         said = self.connection.execute(_SAID).fetchone()
-        return Snapshot(min(clips.generation, windows.generation), clips, windows, len(clips), said)
+        generation = min(clips.generation, windows.generation)
+        (newest,) = self.connection.execute(_NEWEST, (generation,)).fetchone()
+        return Snapshot(generation, clips, windows, len(clips), newest, said)
 
     def _watch(self) -> None:
         while not self._stop.wait(_LOOK_EVERY):

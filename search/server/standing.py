@@ -30,13 +30,10 @@ class Grounds:
         The query.
     floor : float
         What scores less for it changes nothing.
-    clips : frozenset of int
-        The clips it shows.
     """
 
     vector: Vectors
     floor: float
-    clips: frozenset[int]
 
 
 class StandingAnswers:
@@ -75,30 +72,27 @@ class StandingAnswers:
             self._generation = generation
             self._held.clear()
 
-    def grow(self, generation: int, changed: NDArray[np.int64], added: Vectors) -> None:
-        """Drop what the growth to a generation could change.
+    def grow(self, generation: int, added: Vectors) -> None:
+        """Drop what a growth to a generation, in which nothing went or changed, could change.
 
         To be called before anything is answered from that generation. Answers are given meanwhile.
 
         Parameters
         ----------
-        changed : (C,)
-            Clips that came, went or changed.
         added : (N, D)
-            Vectors of what came and of what changed: whole clips and windows.
+            Vectors of what came: whole clips and windows.
         """
         with self._lock:
             self._generation = generation
             held = [(key, grounds) for key, (_, grounds) in self._held.items()]
         if not held:
             return
-        gone = frozenset(changed.tolist())
         queries = np.stack([grounds.vector for _, grounds in held])
         floors = np.array([grounds.floor for _, grounds in held])
         shaken = _best(queries, added) >= floors
         with self._lock:
-            for (key, grounds), drop in zip(held, shaken.tolist(), strict=True):
-                if drop or not gone.isdisjoint(grounds.clips):
+            for (key, _), drop in zip(held, shaken.tolist(), strict=True):
+                if drop:
                     self._held.pop(key, None)
 
 
