@@ -19,9 +19,11 @@ Vectors = NDArray[np.float32]
 #: A window must beat the whole clip by this much to speak for it: the best of many windows is high by chance too.
 WINDOW_MARGIN = 0.02
 
-#: Windows fetched for each clip asked for, doubled until they name enough clips.
-_PER_CLIP = 16
+#: Clips and windows fetched first where clips are wanted; four times as many whenever they leave the next one open.
+_FIRST_ROWS = 160
 _MOST_WINDOWS = 16384
+#: Windows fetched for each clip asked for where several sentences are, four times as many until they name enough.
+_PER_CLIP = 16
 #: Windows fetched first where spans are wanted; four times as many whenever they have run out.
 _FIRST_WINDOWS = 640
 #: Clips named first where all that answer several sentences are wanted; as above.
@@ -56,37 +58,75 @@ def best_evidence(
     k: int,
     *,
     allowed: NDArray[np.int64] | None = None,
-    whole: bool = True,
     windows: bool = True,
 ) -> list[Evidence]:
-    """The k clips with the best evidence for a unit vector (D,), best first.
+    """The first k, at most, of `evidence_in_order`."""
+    return list(islice(evidence_in_order(library, query, allowed=allowed, windows=windows), k))
+
+
+def evidence_in_order(
+    library: Library, query: Vectors, *, allowed: NDArray[np.int64] | None = None, windows: bool = True
+) -> Iterator[Evidence]:
+    """The best evidence of every clip for a unit vector (D,), best first, as long as one asks.
+
+    A clip is given once nothing that has not been fetched could come before it or say more for it (the threshold
+    algorithm of Fagin, Lotem and Naor, 2001): the order does not depend on how many are asked for.
 
     Parameters
     ----------
     allowed : sorted int64 array, optional
         The clips to choose from.
-    whole, windows : bool
-        Which vectors to look at.
+    windows : bool
+        Whether windows speak for their clips, too.
     """
-    if k < 1 or len(library) == 0 or (allowed is not None and len(allowed) == 0):
-        return []
-    best: dict[int, Evidence] = {}
-    if whole:
-        scores, ids = library.nearest_clips(query[None], k, allowed=allowed)
-        best = {int(i): Evidence(int(i), float(s)) for i, s in zip(ids[0], scores[0], strict=True) if i >= 0}
-    if windows:
-        margin = WINDOW_MARGIN if whole else 0.0
-        for evidence in _best_windows(library, query, k, allowed):
-            if evidence.clip_id not in best or evidence.score > best[evidence.clip_id].score + margin:
-                best[evidence.clip_id] = evidence
-    return sorted(best.values(), key=lambda e: -e.score)[:k]
+    if len(library) == 0 or (allowed is not None and len(allowed) == 0):
+        return
+    given: set[int] = set()
+    count, margin = _FIRST_ROWS, WINDOW_MARGIN if windows else 0.0
+    while True:
+        wholes, unseen = _wholes(library, query, count, allowed)
+        best, unseen = dict(wholes), unseen + margin
+        if windows:
+            spans, unseen_window = _best_windows(library, query, min(count, _MOST_WINDOWS), allowed)
+            unseen = max(unseen, unseen_window)
+            for span in spans:
+                if span.clip_id not in wholes or span.score > wholes[span.clip_id].score + margin:
+                    best[span.clip_id] = span
+        sure = [e for e in best.values() if e.score > unseen and e.clip_id not in given]
+        yield from sorted(sure, key=lambda e: (-e.score, e.clip_id))
+        if unseen == -np.inf:
+            return
+        given.update(e.clip_id for e in sure)
+        count *= 4
+
+
+def _wholes(
+    library: Library, query: Vectors, count: int, allowed: NDArray[np.int64] | None
+) -> tuple[dict[int, Evidence], float]:
+    """The clips nearest as wholes, and what no other one scores more than."""
+    scores, ids = (a[0] for a in library.nearest_clips(query[None], count, allowed=allowed))
+    named = zip(ids.tolist(), scores.tolist(), strict=True)
+    return {i: Evidence(i, score) for i, score in named if i >= 0}, float(scores[-1])
+
+
+def _best_windows(
+    library: Library, query: Vectors, count: int, allowed: NDArray[np.int64] | None
+) -> tuple[list[Evidence], float]:
+    """The best window of each clip among the nearest ones, and what no other window scores more than.
+
+    Where as many are fetched as ever are, the others have no say.
+    """
+    scores, ids, starts, ends = (a[0] for a in library.nearest_windows(query[None], count, allowed=allowed))
+    _, first = np.unique(ids, return_index=True)
+    best = [Evidence(int(ids[i]), float(scores[i]), float(starts[i]), float(ends[i])) for i in np.sort(first)]
+    return [e for e in best if e.clip_id >= 0], float(scores[-1]) if count < _MOST_WINDOWS else -np.inf
 
 
 def likeliest(library: Library, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None) -> list[int]:
     """The k clips most likely to hold an answer to all queries (Q, D): by the sum of their best windows."""
     if k < 1 or len(library) == 0 or (allowed is not None and len(allowed) == 0):
         return []
-    best = [{e.clip_id: e.score for e in _best_windows(library, query, k, allowed)} for query in queries]
+    best = [{e.clip_id: e.score for e in _windows_of(library, query, k, allowed)} for query in queries]
     floors = [min(scores.values(), default=-1.0) for scores in best]
     totals = {
         clip: sum(scores.get(clip, floor) for scores, floor in zip(best, floors, strict=True))
@@ -158,14 +198,11 @@ def _apart(
         yield Evidence(int(ids[i]), float(scores[i]), float(starts[i]), float(ends[i]))
 
 
-def _best_windows(library: Library, query: Vectors, k: int, allowed: NDArray[np.int64] | None) -> list[Evidence]:
+def _windows_of(library: Library, query: Vectors, k: int, allowed: NDArray[np.int64] | None) -> list[Evidence]:
     """The best window of each of at least k clips, fewer only where there are no more."""
     count = _PER_CLIP * k
     while True:
-        scores, ids, starts, ends = (a[0] for a in library.nearest_windows(query[None], count, allowed=allowed))
-        real = ids >= 0
-        clips, first = np.unique(ids[real], return_index=True)
-        if len(clips) >= k or real.sum() < count or count >= _MOST_WINDOWS:
-            break
+        best, unseen = _best_windows(library, query, count, allowed)
+        if len(best) >= k or unseen == -np.inf:
+            return best
         count *= 4
-    return [Evidence(int(ids[i]), float(scores[i]), float(starts[i]), float(ends[i])) for i in np.sort(first)]

@@ -21,7 +21,6 @@ from indexer.clips import Caption, Clip
 from indexer.gallery import CLIPS, WINDOWS
 from indexer.vectors import FlatVectors
 from search.engine import Ref, SearchableLibrary
-from search.evidence import WINDOW_MARGIN
 from search.hits import Hit
 from search.query import encode_queries
 from search.question import Question
@@ -34,6 +33,8 @@ Vectors = NDArray[np.float32]
 
 #: Seconds between two looks at whether the library has grown.
 _LOOK_EVERY = 0.5
+#: By how much the same score may differ from one way of adding up to another.
+_ROUNDING = 1e-5
 _CHANGED = "SELECT id FROM clips WHERE generation > ?"
 _SAID = "SELECT count(*), max(id), total(id), total(text_id), total(clip_id) FROM captions WHERE clip_id IS NOT NULL"
 _SAID_BEFORE = f"{_SAID} AND clip_id NOT IN ({_CHANGED})"
@@ -134,12 +135,8 @@ class ServedLibrary(SearchableLibrary):
         self.standing.grow(generation, np.concatenate(added).astype(np.float32))
 
     def grounds(self, question: Search, hits: Sequence[Hit]) -> Grounds:
-        """What the answer to a question stands on.
-
-        A clip may be shown by a window or as a whole, whichever speaks more for it, but for a margin: so far below the
-        last hit nothing has any say.
-        """
-        floor = hits[-1].score - WINDOW_MARGIN if len(hits) == question.k else -np.inf
+        """What the answer to a question stands on: what no clip and no window may reach that comes later."""
+        floor = hits[-1].score - _ROUNDING if len(hits) == question.k else -np.inf
         return Grounds(self.encode_all([question.text])[0], floor)
 
     def _look(self) -> Snapshot:

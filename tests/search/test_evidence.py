@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -67,6 +68,41 @@ def test_one_clip_with_many_windows_does_not_keep_others_out() -> None:
     crowd = [(1, i * 0.1, i * 0.1 + 2, 0.9) for i in range(500)]
     gallery = Gallery({1: 0.1, 2: 0.1, 3: 0.1}, [*crowd, (2, 0, 2, 0.5), (3, 0, 2, 0.4)])
     assert [e.clip_id for e in _ask(gallery, 3)] == [1, 2, 3]
+
+
+def _galleries() -> Iterator[Gallery]:
+    """Galleries in which windows and wholes disagree, and one clip's windows fill the first fetch."""
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        count, spread = 30 + 20 * seed, (0.01, 0.1, 0.5)[seed % 3]
+        wholes = {i: float(0.4 + spread * rng.uniform()) for i in range(count)}
+        crowd = [(0, i * 0.1, i * 0.1 + 2, 0.41 + spread) for i in range(60 * (seed % 4))]
+        heights = 0.4 + spread * rng.uniform(size=4 * count)
+        yield Gallery(wholes, crowd + [(i % count, i, i + 2, float(score)) for i, score in enumerate(heights)])
+
+
+@pytest.mark.parametrize("windows", [True, False])
+def test_the_first_clips_do_not_depend_on_how_many_are_asked_for(windows: bool) -> None:
+    for gallery in _galleries():
+        many = _ask(gallery, len(gallery), windows=windows)
+        assert sorted(e.clip_id for e in many) == sorted(gallery.wholes)
+        assert many == sorted(many, key=lambda e: (-e.score, e.clip_id))
+        for k in (1, 3, 10, 25):
+            assert _ask(gallery, k, windows=windows) == many[:k]
+
+
+def test_a_clip_counts_as_its_whole_unless_a_window_is_clearly_better() -> None:
+    for gallery in _galleries():
+        windows = {clip: max(r[3] for r in gallery.rows if r[0] == clip) for clip in gallery.wholes}
+        for e in _ask(gallery, 10):
+            whole, window = gallery.wholes[e.clip_id], windows[e.clip_id]
+            assert e.score == pytest.approx(window if window > whole + WINDOW_MARGIN else whole, abs=1e-5)
+
+
+def test_few_rows_are_fetched_for_few_clips() -> None:
+    gallery = Gallery(dict.fromkeys(range(3000), 0.0), [(i, 0, 2, 0.9 - i / 4000) for i in range(3000)])
+    _ask(gallery, 10)
+    assert gallery.most_asked < 300
 
 
 def test_only_allowed_clips_answer() -> None:

@@ -11,9 +11,8 @@ from starlette.testclient import TestClient
 
 from encoders.bundle import Bundle
 from indexer import ingest
-from search import evidence
 from search.engine import SearchableLibrary
-from search.server import documents, served
+from search.server import documents
 from search.server.app import create_app
 from search.server.served import ServedLibrary
 from search.server.standing import Grounds, StandingAnswers
@@ -61,11 +60,7 @@ def test_the_least_used_go_first() -> None:
     assert [key for key in "abc" if answers.get(key) is not None] == ["a", "c"]
 
 
-def test_what_stands_is_what_a_fresh_search_finds(
-    indexed: Path, bundle: Bundle, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for module in (evidence, served):  # all scores of a model of random weights lie within the usual margin
-        monkeypatch.setattr(module, "WINDOW_MARGIN", 1e-4)
+def test_what_stands_is_what_a_fresh_search_finds(indexed: Path, bundle: Bundle, tmp_path: Path) -> None:
     folder = tmp_path / "takes"
     shutil.copytree(indexed, folder)
     library = ServedLibrary.open(folder, bundle=bundle)
