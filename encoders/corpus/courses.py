@@ -90,9 +90,14 @@ def bearing(direction: str, way: Array, rng: Generator, *, faces: bool = False) 
     if faces or backward or not angle or rng.random() < (0.75 if "-" in direction else 0.55):
         if direction in ("left", "right") and not faces:  # who goes left while looking ahead goes ahead, too
             angle *= rng.uniform(0.4, 1.05)
-        return rng.normal(0.0, 0.1) * gone / max(total, 3.0), angle
+        return _wandering(rng) * gone / max(total, 3.0), angle
     start = rng.uniform(0.0, 0.4) * total
     return angle * rng.uniform(0.85, 1.1) * ease((gone - start) / rng.uniform(0.5, 1.1)), 0.0
+
+
+def _wandering(rng: Generator) -> float:
+    """How far the way of somebody who goes straight bends, radians: hardly, but one in four has little room."""
+    return float(rng.normal(0.0, 0.1 if rng.random() < 0.75 else 0.3))
 
 
 def askew(rng: Generator) -> float:

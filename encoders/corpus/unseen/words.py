@@ -86,7 +86,7 @@ def in_the_manner(text: str, style: str, rng: Generator) -> str:
 def wordings() -> Mapping[str, tuple[str, ...]]:
     """Sentences that say of a known action that somebody does it, by action; no caption may equal one of them.
 
-    They were drawn from `phrases.json`, phrases that no model has been trained with yet.
+    Their phrases are in no table of the corpus.
     """
     stored = json.loads((Path(__file__).parent / "wordings.json").read_text("utf-8"))
     return {action: tuple(sentences) for action, sentences in stored.items()}
