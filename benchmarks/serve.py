@@ -65,14 +65,15 @@ class Timed:
 
     Attributes
     ----------
-    due, seconds : list of float
-        When each should have begun, from the start, and how long after that it was answered.
+    asked, due, seconds : list of str, list of float, list of float
+        The sentence of each, when it should have begun, from the start, and how long after that it was answered.
     failures : list of (float, str)
         When it should have begun, and what was answered.
     samples : list of (float, Usage, bool)
         From time to time: when, what the server had used by then, and whether there was indexing.
     """
 
+    asked: list[str] = field(default_factory=list)
     due: list[float] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
     failures: list[tuple[float, str]] = field(default_factory=list)
@@ -99,6 +100,7 @@ async def load(
             body = await reader.readexactly(int(head.lower().split(b"content-length:")[1].split(b"\r\n")[0]))
             if not head.startswith(b"HTTP/1.1 200") or len(json.loads(body)["hits"]) != 10:
                 found.failures.append((should_begin - began, body[:200].decode(errors="replace")))
+            found.asked.append(sentence)
             found.due.append(should_begin - began)
             found.seconds.append(loop.time() - should_begin)
         except (OSError, asyncio.IncompleteReadError) as error:
@@ -189,17 +191,22 @@ class Indexing:
     def end(self) -> None:
         """Stop; what is indexed stays."""
         if self._running is not None and self._running.poll() is None:
-            self._running.send_signal(signal.SIGINT)
+            self._running.terminate()
             self._running.wait(60)
 
 
-def new_share(sentences: list[str], earlier: list[str]) -> float:
-    """Share of the searches whose sentence nobody had asked before."""
-    return len(set(sentences) - set(earlier)) / len(sentences)
+def first_asked(sentences: list[str], earlier: list[str]) -> list[bool]:
+    """Whether each sentence is asked for the first time."""
+    known = set(earlier)
+    first = []
+    for sentence in sentences:
+        first.append(sentence not in known)
+        known.add(sentence)
+    return first
 
 
-def report(found: Timed, new: float) -> None:
-    """Print a row for each stretch between two looks, and one for all."""
+def report(found: Timed, earlier: list[str]) -> None:
+    """Print a row for each stretch between two looks, and one for all; then how long new sentences took."""
     due, ms = np.array(found.due), np.array(found.seconds) * 1e3
     failed = np.array([at for at, _ in found.failures])
     print("\n| seconds | searches | p50 ms | p95 | p99 | worst | failed | cores | own MB | mapped MB | indexing |")
@@ -215,8 +222,11 @@ def report(found: Timed, new: float) -> None:
         said = "yes" if indexing else "no"
         print(f"| {begin:.0f}–{end:.0f} | {numbers} | {after.own:.0f} | {after.mapped:.0f} | {said} |")
     first, last = looks[0], looks[-1]
+    new = np.array(first_asked(found.asked, earlier))
+    p50, p95 = np.percentile(ms[new], (50, 95)) if new.any() else (0.0, 0.0)
     print(
-        f"\n{len(ms) / last[0]:.0f} searches a second, {new:.1%} of them sentences that nobody had asked before; "
+        f"\n{len(ms) / last[0]:.0f} searches a second, {new.mean():.1%} of them sentences that nobody had asked before "
+        f"(p50 {p50:.1f} ms, p95 {p95:.1f}); "
         f"{(last[1].cpu - first[1].cpu) / len(ms) * 1e3:.2f} ms of processor each; "
         f"own memory {first[1].own:.0f} -> {last[1].own:.0f} MB; failed {len(found.failures)} "
         f"{[said for _, said in found.failures[:2]] or ''}"
@@ -265,9 +275,9 @@ def main() -> None:
             found = asyncio.run(
                 load(given.port, sentences, given.rate, look=look, every=given.every or given.seconds / 10)
             )
+            report(found, earlier)
         finally:
             indexing.end()
-        report(found, new_share(sentences, earlier))
 
 
 if __name__ == "__main__":

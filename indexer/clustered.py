@@ -1,9 +1,8 @@
 """Many rows, found fast: only the clusters nearest to a query are looked at (an inverted file, IVF).
 
 Exact search reads every vector, which at a million rows takes as long as memory takes to deliver half a gigabyte. Here
-a row is missed where its cluster is not among those looked at. Of the ten best of 100,000 clips and of the 160 best of
-their 2.4 million windows, among which the best spans are looked for, about 99 in 100 are found: `benchmarks/serve.py`
-prints how many. Vectors without any clusters, random ones or those of an untrained model, are what it
+a row is missed where its cluster is not among those looked at. Of the ten best of 100,000 clips nearly all are found,
+of the 160 best of their 2.4 million windows 98 in 100 and more: `benchmarks/serve.py` prints how many. Vectors without any clusters, random ones or those of an untrained model, are what it
 cannot do.
 """
 
