@@ -2,8 +2,8 @@
 
 Exact search reads every vector, which at a million rows takes as long as memory takes to deliver half a gigabyte. Here
 a row is missed where its cluster is not among those looked at. Of the ten best of 100,000 clips nearly all are found,
-of the 160 best of their 2.4 million windows 98 in 100 and more: `benchmarks/serve.py` prints how many. Vectors without any clusters, random ones or those of an untrained model, are what it
-cannot do.
+of the 160 best of their 2.4 million windows 98 in 100 and more: `benchmarks/serve.py` prints how many.
+Vectors without any clusters, random ones or those of an untrained model, are what it cannot do.
 """
 
 from __future__ import annotations
