@@ -56,9 +56,9 @@ class Motion:
             If the span is empty or does not touch the motion.
         """
         end = self.duration if end is None else min(end, self.duration)
-        first, last = round(max(start, 0.0) * self.fps), round(end * self.fps)
-        if not start < end or end <= 0 or first >= len(self.joints):
+        if not start < end or end <= 0:
             raise ValueError(f"span {start:g} to {end:g} s lies outside a motion of {self.duration:g} s")
+        first, last = min(round(max(start, 0.0) * self.fps), len(self.joints) - 1), round(end * self.fps)
         return Motion(self.joints[first : max(last, first + 1)], self.fps)
 
     def resample(self, fps: float = FPS) -> Motion:

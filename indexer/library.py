@@ -223,10 +223,10 @@ class Library:
         clip = self.clip(id)
         end = clip.duration if end is None else min(end, clip.duration)
         start = max(start or 0.0, 0.0)
-        first, last = round(start * FPS), round(end * FPS)
-        if start >= end or first >= clip.frames:
+        if start >= end:
             raise ValueError(f"span {start:g} to {end:g} s lies outside {clip.path} of {clip.duration:g} s")
-        last = max(last, first + 1)
+        first = min(round(start * FPS), clip.frames - 1)
+        last = max(round(end * FPS), first + 1)
         rows = self.connection.execute(
             "SELECT data FROM poses WHERE clip_id = ? AND chunk BETWEEN ? AND ? ORDER BY chunk",
             (clip.id, first // poses.CHUNK, (last - 1) // poses.CHUNK),

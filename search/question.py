@@ -35,20 +35,20 @@ class Question:
         *,
         split_steps: bool = True,
     ) -> Question:
-        """The question that a sentence, explicit steps, or things at the same time make.
+        """The question that a sentence, explicit steps, or things at the same time make; any of them may be missing.
 
         Raises
         ------
         QueryError
             If nothing is asked, or both an order and things at the same time are.
         """
-        given = [text for text in (sentence, *steps) if text is not None]
-        if not given or not all(any(character.isalnum() for character in text) for text in (*given, *meanwhile)):
+        given = [text for text in (sentence, *steps, *meanwhile) if text is not None]
+        if not given or not all(any(character.isalnum() for character in text) for text in given):
             raise QueryError('the sentence is empty; describe a movement in words, such as "a person waves"')
         if meanwhile and steps:
             raise QueryError("steps in order and things at the same time cannot be asked together; ask one of the two")
         if meanwhile:
-            return cls((*given, *meanwhile), "while")
+            return cls(tuple(given), "while" if len(given) > 1 else "alone")
         if not steps and split_steps:
             given = split(given[0])
         return cls(tuple(given), "then" if len(given) > 1 else "alone")

@@ -59,7 +59,7 @@ def moments(
     from search.question import Question
     from search.render import plot_moments, refuse_format
 
-    sentence, ref = _told_apart(sentence, ref, bool(steps))
+    sentence, ref = _told_apart(sentence, ref, bool(steps) or len(meanwhile) > 1)
     question = Question.of(sentence, steps, meanwhile, split_steps=not no_split)
     if plot is not None:
         if ref is None:
@@ -86,11 +86,11 @@ def moments(
         terminal.note(f"wrote {plot}")
 
 
-def _told_apart(sentence: str | None, ref: str | None, has_steps: bool) -> tuple[str | None, str | None]:
+def _told_apart(sentence: str | None, ref: str | None, has_more: bool) -> tuple[str | None, str | None]:
     """The sentence and the clip, whichever was given first: what is a file is no sentence."""
     if sentence is None or not Path(sentence).is_file():
-        return (None, sentence) if has_steps and ref is None else (sentence, ref)
-    if ref is None and not has_steps:
+        return (None, sentence) if has_more and ref is None else (sentence, ref)
+    if ref is None and not has_more:
         raise click.UsageError(f'"{sentence}" is a file; say what to look for in it too, such as "a person waves"')
     if ref is not None and Path(ref).is_file():
         raise click.UsageError(f'"{sentence}" and "{ref}" are both files; give one, and a sentence')

@@ -6,6 +6,7 @@ import secrets
 import webbrowser
 from contextlib import suppress
 from pathlib import Path
+from urllib.parse import quote
 
 import click
 
@@ -56,10 +57,12 @@ def serve(
         )
     if token is not None and len(token) < 16:
         raise click.UsageError("--token must have at least 16 characters, or it can be guessed")
+    if token is not None and not all("!" <= character <= "~" for character in token):
+        raise click.UsageError("--token must be of ASCII characters without spaces, or it cannot be sent in a header")
     library = ServedLibrary.open(locate(folder))
     library.warm()
     listening = listen(host, port)
-    url = address(listening, host) + (f"?token={token}" if token else "")
+    url = address(listening, host) + (f"?token={quote(token, safe='')}" if token else "")
 
     def ready() -> None:
         click.echo(f"{len(library)} clips of {Path(library.folder)} at {url}  (Ctrl-C ends it)")

@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 from importlib.metadata import version
 
 from fastapi import FastAPI
-from starlette.types import ASGIApp
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from search.server import errors
 from search.server.guard import Guard
@@ -61,4 +61,20 @@ def create_app(
         app.include_router(module.routes(state))
     app.mount("/", Page())
     # Around the app rather than among its middleware, so that even an unexpected error is counted and guarded.
-    return Measured(Guard(app, host=host, names=names, token=token), state.metrics)
+    return Heads(Measured(Guard(app, host=host, names=names, token=token), state.metrics))
+
+
+class Heads:
+    """ASGI middleware: HEAD is answered as GET is, without the body. FastAPI's routes know GET alone."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        async def send_head(message: Message) -> None:
+            await send({**message, "body": b""} if message["type"] == "http.response.body" else message)
+
+        if scope["type"] == "http" and scope["method"] == "HEAD":
+            await self._app({**scope, "method": "GET"}, receive, send_head)
+        else:
+            await self._app(scope, receive, send)

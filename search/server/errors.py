@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -61,6 +62,11 @@ def refusal(code: int, message: str) -> JSONResponse:
     return JSONResponse({"error": message}, code, headers | {"Cache-Control": "no-store"})
 
 
+def _named(place: Sequence[str | int]) -> str:
+    """The parameter at a place, without the number of the value where it has several."""
+    return next(part for part in reversed(place) if isinstance(part, str))
+
+
 def install(app: FastAPI) -> None:
     """Let the app say every error in this way."""
 
@@ -70,7 +76,7 @@ def install(app: FastAPI) -> None:
 
     @app.exception_handler(RequestValidationError)
     async def invalid(_: Request, error: RequestValidationError) -> JSONResponse:
-        return refusal(422, "; ".join(f"{entry['loc'][-1]}: {entry['msg']}" for entry in error.errors()))
+        return refusal(422, "; ".join(f"{_named(entry['loc'])}: {entry['msg']}" for entry in error.errors()))
 
     @app.exception_handler(HTTPException)
     async def http(_: Request, error: HTTPException) -> JSONResponse:

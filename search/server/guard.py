@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import hmac
 import ipaddress
 import re
 from collections.abc import Iterable
-from http.cookies import CookieError, SimpleCookie
-from urllib.parse import parse_qs, urlencode, urlsplit
+from urllib.parse import parse_qs, urlencode
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import RedirectResponse, Response
@@ -15,14 +15,15 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from search.server.errors import refusal
 
-COOKIE = "motionseek_token"
+#: Before the port: a browser sends the cookies of all ports of a computer to each of them.
+COOKIE = "motionseek_token_"
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 _ANYWHERE = ("0.0.0.0", "::", "")
 
 #: Answered without a token: says nothing of the library, and monitors ask it.
 _OPEN = "/healthz"
 
-_HOST = re.compile(r"(\[(?P<address>[0-9a-fA-F:.]+)\]|(?P<name>[^\s:/?#@\[\]\\]+))(:\d+)?")
+_HOST = re.compile(r"(\[(?P<address>[0-9a-fA-F:.]+)\]|(?P<name>[^\s:/?#@\[\]\\]+))(:(?P<port>\d+))?")
 
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; "
@@ -66,6 +67,7 @@ class Guard:
         self._names = {name.lower() for name in (*LOOPBACK, host, *names)} - set(_ANYWHERE)
         self._any_address = host in _ANYWHERE
         self._token = token
+        self._cookie = hashlib.sha256((token or "").encode()).hexdigest()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -88,7 +90,9 @@ class Guard:
             return refusal(403, "another site may not ask; open the page of this server")
         if self._token is None or scope["path"] == _OPEN or self._carries_token(headers):
             return None
-        return self._signed_in(scope) or refusal(401, "a token is needed: open /?token=TOKEN, or send it as Bearer")
+        return self._signed_in(scope, headers) or refusal(
+            401, "a token is needed: open /?token=TOKEN, or send it as Bearer"
+        )
 
     def _knows(self, host: str) -> bool:
         """Whether a Host header names this server: another name means that a DNS entry was pointed here."""
@@ -98,27 +102,27 @@ class Guard:
 
     def _carries_token(self, headers: Headers) -> bool:
         kind, _, given = headers.get("authorization", "").partition(" ")
-        return (kind.lower() == "bearer" and self._is_token(given.strip())) or self._is_token(_cookie(headers))
+        bears = kind.lower() == "bearer" and self._is_token(given.strip())
+        return bears or hmac.compare_digest(_cookie(headers).encode(), self._cookie.encode())
 
     def _is_token(self, given: str) -> bool:
         return self._token is not None and hmac.compare_digest(given.encode(), self._token.encode())
 
-    def _signed_in(self, scope: Scope) -> Response | None:
+    def _signed_in(self, scope: Scope, headers: Headers) -> Response | None:
         """The page again, with a cookie in place of the token in its address."""
         asked = parse_qs(scope["query_string"].decode("latin-1"))
         if scope["path"] != "/" or not self._is_token(asked.pop("token", [""])[0]):
             return None
         rest = urlencode(asked, doseq=True)
         response = RedirectResponse("/" + (f"?{rest}" if rest else ""), 303, {"Cache-Control": "no-store"})
-        assert self._token is not None
-        response.set_cookie(COOKIE, self._token, httponly=True, samesite="strict", path="/")
+        response.set_cookie(_cookie_name(headers), self._cookie, httponly=True, samesite="strict", path="/")
         return response
 
 
 def _same_site(scope: Scope, headers: Headers) -> bool:
     """Whether no other site's page makes the request; following a link to the page is no such thing."""
     origin = headers.get("origin")
-    if origin is not None and urlsplit(origin).netloc.lower() != headers.get("host", "").lower():
+    if origin is not None and origin.lower().partition("://")[2] != headers.get("host", "").lower():
         return False
     site = headers.get("sec-fetch-site", "none")
     follows_link = scope["path"] == "/" and scope["method"] == "GET" and headers.get("sec-fetch-mode") == "navigate"
@@ -133,9 +137,13 @@ def _is_address(name: str) -> bool:
     return True
 
 
+def _cookie_name(headers: Headers) -> str:
+    found = _HOST.fullmatch(headers.get("host", ""))
+    return COOKIE + ((found["port"] if found else None) or "")
+
+
 def _cookie(headers: Headers) -> str:
-    try:
-        found = SimpleCookie(headers.get("cookie", "")).get(COOKIE)
-    except CookieError:
-        return ""
-    return found.value if found else ""
+    """The value of our cookie; others may hold what no parser takes."""
+    name = _cookie_name(headers)
+    pairs = (pair.strip().partition("=") for pair in headers.get("cookie", "").split(";"))
+    return next((value for key, _, value in pairs if key == name), "")

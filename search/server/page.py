@@ -42,7 +42,9 @@ class Page(StaticFiles):
     async def get_response(self, path: str, scope: Scope) -> Response:
         """See `StaticFiles.get_response`."""
         if scope["method"] not in ("GET", "HEAD"):
-            raise HTTPException(405, "pages are read with GET", {"Allow": "GET, HEAD"})
+            raise HTTPException(
+                405, "nothing is sent here; the routes and their methods are in /openapi.json", {"Allow": "GET, HEAD"}
+            )
         kind = TYPES.get(PurePosixPath("index.html" if path == "." else path).suffix)
         if kind is None or "\0" in path:
             raise Refused(404, "there is no such page")

@@ -63,9 +63,8 @@ def routes(state: State) -> APIRouter:
         headers = {"ETag": tag, "Cache-Control": "private, no-cache"}
         if request.headers.get("if-none-match") == tag:
             return Response(status_code=304, headers=headers)
-        cut = _cut(state, clip, start, end)
-        cut = cut if fps == cut.fps else cut.resample(fps)
-        data = joints.pack(cut, start or 0.0)
+        cut, begin = _cut(state, clip, start or 0.0, end)
+        data = joints.pack(cut if fps == cut.fps else cut.resample(fps), begin)
         return Response(data, media_type="application/octet-stream", headers=headers)
 
     @router.get("/skeleton", responses=ok(documents.SkeletonShape))
@@ -96,15 +95,17 @@ def routes(state: State) -> APIRouter:
     return router
 
 
-def _cut(state: State, ref: str, start: float | None, end: float | None) -> Motion:
-    """A span of a motion; of a clip only the stored pieces that it touches are read."""
+def _cut(state: State, ref: str, start: float, end: float | None) -> tuple[Motion, float]:
+    """A span of a motion, and the second of its first frame; of a clip only the stored pieces it touches are read."""
     found = state.clip(ref)
     if isinstance(found, Upload):
-        return found.source.cut(start, end)
-    try:
-        return state.library.motion(found.id, start, end)
-    except ValueError as error:
-        raise QueryError(f"{error}; give a start and end inside it, in seconds") from None
+        cut, frames = found.source.cut(start, end), len(found.source.motion)
+    else:
+        try:
+            cut, frames = state.library.motion(found.id, start, end), found.frames
+        except ValueError as error:
+            raise QueryError(f"{error}; give a start and end inside it, in seconds") from None
+    return cut, min(round(start * cut.fps), frames - 1) / cut.fps
 
 
 def _uploaded(upload: Upload) -> dict[str, object]:

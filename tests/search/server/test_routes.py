@@ -109,6 +109,7 @@ def test_moments_take_explicit_steps_and_things_at_once(ask, number):
     assert [step["text"] for step in steps["hits"][0]["steps"]] == ["walks", "waves"]
     at_once = ask("/api/moments", **{"q": "walks", "while": "waves"}, clip=number(LONG))
     assert (at_once["how"], at_once["sentences"]) == ("while", ["walks", "waves"])
+    assert ask("/api/moments", **{"while": ["walks", "waves"]}, clip=number(LONG)) == at_once
     whole = ask("/api/moments", q="walks, then waves", split="false", clip=number(LONG))
     assert "how" not in whole
 
@@ -181,6 +182,14 @@ def test_joints_are_sent_again_only_when_they_changed(client, number):
     assert other.status_code == 200
 
 
+@pytest.mark.parametrize(("start", "begin"), [(1.0, 1.0), (1.02, 1.0), (1.03, 1.05), (19.99, 19.95)])
+def test_joints_say_at_which_frame_they_begin(client, number, start, begin):
+    cut, said = joints.unpack(client.get(f"/api/motions/{number(LONG)}/joints", params={"start": start}).content)
+    assert said == pytest.approx(begin)
+    whole, _ = joints.unpack(client.get(f"/api/motions/{number(LONG)}/joints").content)
+    np.testing.assert_allclose(cut.joints, whole.joints[round(begin * 20) :], atol=1e-3)
+
+
 def test_the_skeleton(ask):
     skeleton = ask("/api/skeleton")
     assert skeleton["joints"] == list(JOINTS)
@@ -221,6 +230,14 @@ def test_the_map_holds_every_clip(ask, indexed, number):
         f"map.{drawn['generation']}.npz"
     ]
     assert ask("/api/map") == drawn
+
+
+@pytest.mark.parametrize("url", ["/healthz", "/api/search?q=walks", "/api/motions/1/joints", "/api/search?q="])
+def test_head_is_get_without_the_body(client, url):
+    head, get = client.head(url), client.get(url)
+    assert head.content == b""
+    assert head.status_code == get.status_code
+    assert head.headers["content-length"] == get.headers["content-length"]
 
 
 def test_health_and_metrics(client):

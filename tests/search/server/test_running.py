@@ -115,6 +115,12 @@ def test_others_are_let_in_with_a_token_alone(run, indexed, host):
     assert (ran.code, "--token" in ran.err) == (2, True)
 
 
+@pytest.mark.parametrize("token", ["sixteen letters and spaces", "schlüsselwörter-1234"])
+def test_a_token_that_no_header_can_carry_is_refused(run, indexed, token):
+    ran = run("serve", indexed, "--token", token)
+    assert (ran.code, "ASCII" in ran.err) == (2, True)
+
+
 def test_a_short_token_is_refused(run, indexed):
     ran = run("serve", indexed, "--token", "secret")
     assert (ran.code, "16" in ran.err) == (2, True)

@@ -92,3 +92,31 @@ def test_what_stands_is_what_a_fresh_search_finds(indexed: Path, bundle: Bundle,
     assert max(stood) > 0
     assert stood[3] == 0  # what has gone may have kept another clip out
     assert stood[-1] == 0  # what is shown of a clip that is not new has changed
+
+
+@pytest.mark.parametrize(
+    "later",
+    [
+        ["take 2.npy\tsomeone turns", "take 0.npy\tsomeone bends"],
+        ["take 0.npy\tsomeone bends", "take 2.npy\tsomeone turns"],
+        ["take 0.npy\tsomeone turns", "take 2.npy\tsomeone bows"],
+    ],
+)
+def test_captions_that_change_places_are_seen(indexed: Path, bundle: Bundle, tmp_path: Path, later: list[str]) -> None:
+    folder = tmp_path / "takes"
+    shutil.copytree(indexed, folder)
+
+    def say(rows: list[str]) -> None:
+        (folder / "captions.tsv").write_text("\n".join(["path\ttext", *rows]), encoding="utf-8")
+        ingest.index(folder, bundle=bundle, jobs=1)
+
+    say(["take 0.npy\tsomeone turns", "take 2.npy\tsomeone bends"])
+    library = ServedLibrary.open(folder, bundle=bundle)
+    library.start = lambda: None  # type: ignore[method-assign]  # refreshed by hand
+    with TestClient(create_app(library), base_url="http://127.0.0.1:8420") as client:
+        for _ in range(2):
+            hits = client.get("/api/search", params={"q": "walks"}).json()["hits"]
+            with SearchableLibrary.open(folder, bundle=bundle) as fresh:
+                assert hits == documents.hits(fresh.search("walks"))
+            say(later)
+            assert library.refresh()

@@ -57,6 +57,8 @@ def test_bound_everywhere_any_address_will_do_but_no_other_name(served):
         ({"Origin": "http://127.0.0.1:9999"}, 403),
         ({"Origin": "https://evil.example"}, 403),
         ({"Origin": "null"}, 403),
+        ({"Origin": "http://["}, 403),
+        ({"Origin": "http://127.0.0.1:8420@evil.example"}, 403),
         ({"Sec-Fetch-Site": "same-origin"}, 200),
         ({"Sec-Fetch-Site": "none"}, 200),
         ({"Sec-Fetch-Site": "cross-site"}, 403),
@@ -90,8 +92,9 @@ def test_with_a_token_nothing_is_answered_without_it(served):
         {"Authorization": f"Basic {TOKEN}"},
         {"Authorization": f"Bearer {TOKEN}x"},
         {"Authorization": ""},
-        {"Cookie": "motionseek_token=wrong"},
-        {"Cookie": "motionseek_token"},
+        {"Cookie": "motionseek_token_8420=wrong"},
+        {"Cookie": "motionseek_token_8420"},
+        {"Cookie": f"motionseek_token_8420={TOKEN}"},
     ],
 )
 def test_a_wrong_token_is_no_token(served, headers):
@@ -112,6 +115,22 @@ def test_a_link_with_the_token_becomes_a_cookie(served):
     assert client.get("/api/skeleton").status_code == 200, "the cookie is enough from then on"
     client.cookies.clear()
     assert client.get("/api/skeleton?token=" + TOKEN).status_code == 401, "only the page takes it from a link"
+
+
+@pytest.mark.parametrize("others", ["a[b]=c", 'json={"a":1}', "a=b c", "\xfc=1", "=", "motionseek_token_9000=x"])
+def test_cookies_of_others_do_not_hide_ours(served, others):
+    client = served(token=TOKEN)
+    ours = client.get("/", params={"token": TOKEN}, follow_redirects=False).headers["set-cookie"].partition(";")[0]
+    client.cookies.clear()
+    for cookies in (f"{others}; {ours}", f"{ours}; {others}"):
+        headers = {"Cookie": cookies.encode("latin-1")}
+        assert client.get("/api/skeleton", headers=headers).status_code == 200
+
+
+def test_the_cookie_is_not_the_token_and_belongs_to_one_port(served):
+    response = served(token=TOKEN).get("/", params={"token": TOKEN}, follow_redirects=False)
+    assert TOKEN not in response.headers["set-cookie"]
+    assert response.headers["set-cookie"].startswith("motionseek_token_8420=")
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "127.8.8.8", "::1", "localhost"])
