@@ -124,7 +124,8 @@ async function answer(state, offset, signal) {
 function counted(hits, thing, q) {
   const sure = hits.filter(({ strength }) => strength === "strong" || strength === "plausible").length;
   const things = (/** @type {number} */ n) => `${n} ${thing}${n === 1 ? "" : "s"}`;
-  if (sure) return `${things(sure)}${sure === hits.length ? " or more" : ""} for “${q}”`;
+  if (sure && sure === hits.length) return `${things(sure)} or more for “${q}”`;
+  if (sure) return `${things(sure)} for “${q}”, then what comes nearest`;
   return `The nearest ${things(hits.length)} to “${q}”`;
 }
 
