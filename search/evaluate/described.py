@@ -69,14 +69,13 @@ def evaluate_described(takes: Iterable[CaptionedTake], bundle: Bundle) -> Descri
     if not asked:
         raise QueryError("no take of that split can be read and has a description; see docs/evaluation.md")
     gallery = bundle.encode_motions([take.motion for take in takes])
-    queries = {description: encode_queries(bundle, sentences) for description, sentences in asked.items()}
     found = {}
-    for description, vectors in queries.items():
-        similarity = vectors @ gallery.T
+    for description, sentences in asked.items():
+        similarity = encode_queries(bundle, sentences) @ gallery.T
         right = np.broadcast_to(descriptions == description, similarity.shape)
         found[description] = ranks(similarity, right).tolist()
-    every = np.concatenate(list(queries.values()))
-    about = np.repeat(list(queries), [len(vectors) for vectors in queries.values()])
+    every = bundle.encode_texts([sentence for sentences in asked.values() for sentence in sentences])
+    about = np.repeat(list(asked), [len(sentences) for sentences in asked.values()])
     files = np.flatnonzero(np.isin(descriptions, about))
     cosines = gallery[files] @ every.T
     told, by_cosine = (

@@ -117,8 +117,11 @@ def evaluate_labels(
     if not asked:
         raise QueryError(f"{labels}: no readable clip has a label that {queries} asks for")
     gallery = bundle.encode_motions(motions)
-    sentences = encode_queries(bundle, [row["query"] for row in asked])
-    similarity = sentences @ gallery.T
+    texts = [row["query"] for row in asked]
+    similarity = encode_queries(bundle, texts) @ gallery.T
+    # What is said of a motion is compared as `describe` does it: as it is, in no other phrasing.
+    said = bundle.encode_texts(texts)
+    told = said @ gallery.T - nearness(bundle, said)[:, None]
     clip_labels = np.array(names)
     precisions: dict[str, list[float]] = {}
     for row, scores in zip(asked, similarity, strict=True):
@@ -126,7 +129,7 @@ def evaluate_labels(
     return LabelReport(
         precisions,
         {label: int((clip_labels == label).sum()) for label in precisions},
-        _confusion(similarity - nearness(bundle, sentences)[:, None], [row["label"] for row in asked], clip_labels),
+        _confusion(told, [row["label"] for row in asked], clip_labels),
         unreadable,
     )
 
