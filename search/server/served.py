@@ -36,13 +36,15 @@ _LOOK_EVERY = 0.5
 #: By how much the same score may differ from one way of adding up to another.
 _ROUNDING = 1e-5
 _CHANGED = "SELECT id FROM clips WHERE generation > ?"
-# A number of each caption, so mixed that exchanging anything between two of them changes the sum.
-_MIXED = (
-    "(id * 31 + clip_id * 1000003 + coalesce(text_id, 0) * 10007 + CAST(coalesce(captions.start, -1) * 1000 AS INT)"
-    " * 101 + CAST(coalesce(captions.end, -1) * 1000 AS INT) * 211) % 2147483647"
+# Each caption as a number, so mixed that exchanging anything between two of them changes the sum. Without a limit
+# SQLite would work each of them out twice.
+_SAID_OF = (
+    "SELECT count(*), total(mixed * mixed % 2147483629) FROM (SELECT (id * 31 + clip_id * 1000003 + "
+    "coalesce(text_id, 0) * 10007 + CAST(coalesce(captions.start, -1) * 1000 AS INT) * 101 + "
+    "CAST(coalesce(captions.end, -1) * 1000 AS INT) * 211) % 2147483647 AS mixed FROM captions WHERE {} LIMIT -1)"
 )
-_SAID = f"SELECT count(*), total({_MIXED} * ({_MIXED}) % 2147483629) FROM captions WHERE clip_id IS NOT NULL"
-_SAID_BEFORE = f"{_SAID} AND clip_id NOT IN ({_CHANGED})"
+_SAID = _SAID_OF.format("clip_id IS NOT NULL")
+_SAID_BEFORE = _SAID_OF.format(f"clip_id NOT IN ({_CHANGED})")
 _NEWEST = "SELECT coalesce(max(id), 0) FROM clips WHERE generation <= ?"
 
 

@@ -234,6 +234,12 @@ def test_steps_are_shown_with_their_spans(indexed: Path, run: Run) -> None:
     assert "steps" not in whole["hits"][0]
 
 
+def test_things_at_once_need_no_sentence_before_them(indexed: Path, run: Run) -> None:
+    alone = run("moments", "--while", "walks", "--while", "waves", "take 3", "--library", indexed, "--json").document
+    assert alone == run("moments", "walks", "take 3", "--while", "waves", "--library", indexed, "--json").document
+    assert alone["sentences"] == ["walks", "waves"]
+
+
 def test_steps_in_the_whole_library(indexed: Path, run: Run) -> None:
     found = run("moments", "walks, then sits down", "--library", indexed, "--json", "-k", 2).document
     assert all(len(hit["steps"]) == 2 for hit in found["hits"])

@@ -115,6 +115,15 @@ def test_others_are_let_in_with_a_token_alone(run, indexed, host):
     assert (ran.code, "--token" in ran.err) == (2, True)
 
 
+def test_the_link_it_prints_lets_one_in(started):
+    port = _free_port()
+    with started("--port", str(port), "--token", "q3J+8kd/Zm1&PqTy%#aBc9w==") as (_, line):
+        asking = urllib.request.Request(line.split(" at ")[1].split()[0])
+        opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor())
+        with opener.open(asking, timeout=10), opener.open(f"http://127.0.0.1:{port}/api/stats", timeout=10) as answer:
+            assert json.load(answer)["clips"] == 5
+
+
 @pytest.mark.parametrize("token", ["sixteen letters and spaces", "schlüsselwörter-1234"])
 def test_a_token_that_no_header_can_carry_is_refused(run, indexed, token):
     ran = run("serve", indexed, "--token", token)
