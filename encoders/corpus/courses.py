@@ -58,7 +58,8 @@ def _zigzag(gone: Array, rng: Generator) -> Array:
 def _back_and_forth(gone: Array, total: float, rng: Generator) -> Array:
     turns = max(1, round(total / rng.uniform(1.5, 3.0)) - 1)
     at = total * np.arange(1, turns + 1) / (turns + 1)
-    return np.asarray(rng.choice([-1, 1]) * np.pi * ease((gone[:, None] - at) / 0.6 + 0.5).sum(1))
+    metres = max(0.6, 0.35 * FPS * float(np.diff(gone).max()))  # who goes fast needs room to turn
+    return np.asarray(rng.choice([-1, 1]) * np.pi * ease((gone[:, None] - at) / metres + 0.5).sum(1))
 
 
 def bearing(direction: str, way: Array, rng: Generator, *, faces: bool = False) -> tuple[Array, float]:
@@ -87,7 +88,7 @@ def bearing(direction: str, way: Array, rng: Generator, *, faces: bool = False) 
     if "-" in direction:  # diagonals are seldom exact
         angle += np.sign(angle) * np.deg2rad(rng.uniform(-20, 20) * (1 if direction.startswith("forward") else -1))
     backward = direction.startswith("backward")
-    if faces or backward or not angle or rng.random() < (0.75 if "-" in direction else 0.55):
+    if faces or backward or not angle or rng.random() < (0.85 if "-" in direction else 0.6):
         if direction in ("left", "right") and not faces:  # who goes left while looking ahead goes ahead, too
             angle *= rng.uniform(0.4, 1.05)
         return _wandering(rng) * gone / max(total, 3.0), angle
@@ -114,7 +115,7 @@ def travel(
     still = step.direction == "in place"
     sideways = {"left": 0.8, "right": 0.8}.get(step.direction, 0.7 if step.direction.startswith("back") else 1.0)
     sideways *= rng.uniform(0.65, 1.3) if sideways < 1 else 1.0
-    fastest = 1.9 if gait.duty > 0.5 else 7.0
+    fastest = 1.9 if gait.duty > 0.5 else 6.5
     speed = gait.speed * pace * manner.factor("pace") * stride * sideways
     speed = min(speed, fastest)
     if going is None:  # runs in a hall are short, with the start and the stop inside
@@ -126,8 +127,10 @@ def travel(
     pace_of_feet = gait.cadence * np.sqrt(pace) * manner.factor("pace")
     if not still and abs(angle) < 0.3:
         angle += askew(rng)
+    if gait.duty < 0.4:  # whoever gallops or lifts the knees high does so at any speed
+        gait = _running_at(gait, speed)
     # A leg reaches only so far: who steps out further at this cadence stands shorter.
-    reach = 0.66 if gait.duty < 0.5 else 0.95
+    reach = 0.7 if gait.duty < 0.5 else 0.95
     duty = min(gait.duty, max(reach * pace_of_feet / 2 / max(speed, 0.1), 0.52 if gait.duty > 0.5 else 0.2))
     phase = gait_phase(pace_of_feet * (0.75 + 0.25 * going), rng.random(), manner)
     backing = max(-float(np.cos(angle)), 0.0)
@@ -142,6 +145,20 @@ def travel(
         lean=gait.lean + backing * rng.normal(0.06, 0.1),
     )
     return course, _aside(changed, float(np.sin(angle)), speed / max(pace_of_feet, 0.5), rng)
+
+
+def _running_at(gait: Gait, speed: float) -> Gait:
+    """A run, stated at 3.4 m/s, at another speed: who goes slower stands longer, lifts the feet and leans less."""
+    ratio = float(np.clip(speed / 3.4, 0.35, 1.4))
+    return replace(
+        gait,
+        duty=min(gait.duty * ratio**-0.3, 0.47),
+        lift=gait.lift * ratio**0.7,
+        kick=gait.kick * ratio**0.7,
+        push=gait.push * ratio**0.3,
+        lean=gait.lean * ratio**0.5,
+        arms=gait.arms * ratio**0.4,
+    )
 
 
 def _aside(gait: Gait, share: float, stride: float, rng: Generator) -> Gait:

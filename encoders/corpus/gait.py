@@ -47,12 +47,14 @@ class Gait:
         How far a foot stands behind the hips in the middle of its stance.
     around : float
         How far outward a foot swings on its way.
-    nod : float
-        How far the trunk pitches to either side with every step, radians.
+    nod, tip : float
+        How far the trunk pitches, and leans aside, to either side with every step, radians.
     kick : float
         How far the heel trails in the swing, metres.
     drawn : float
         How far back the upper arms are carried, radians.
+    out : float
+        How far off the body the hands are carried, arm lengths.
     knees : float
         How far the knee swings out on its way, radians; inward where negative.
     width : float
@@ -82,8 +84,10 @@ class Gait:
     behind: float = 0.0
     around: float = 0.03
     nod: float = 0.016
+    tip: float = 0.07
     kick: float = 0.04
     drawn: float = 0.05
+    out: float = 0.0
     knees: float = 0.0
     width: float = 0.04
     crouch: float = 0.005
@@ -158,7 +162,7 @@ def plant(course: Course, phase: Array, duty: float, aside: float, ahead: float 
 
 def _foot(course: Course, gait: Gait, manner: Manner, side: int) -> tuple[Array, Array, Array, Array]:
     """Ankle (N, 3), foot pitch (N,), foot yaw (N,) and the knee's swing outward (N,) of one side."""
-    width = gait.width * float(np.clip(manner.factor("width"), 0.25, 2.2))
+    width = gait.width * float(np.clip(manner.factor("width"), 0.25, 2.8))
     place, share, swing = plant(
         course,
         course.phase - (gait.offset if side == RIGHT else 0.0),
@@ -252,8 +256,7 @@ def _torso(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Arr
     curves.pelvis[:, 2] = -gait.yaw * turn
     curves.spine[:, 0] = 0.65 * gait.lean * effort
     # The trunk leans to the foot that lands.
-    tip = 0.075 if gait.duty < 0.5 else 0.07
-    curves.spine[:, 1] = roll + effort * ((tip + manner.rock) * np.cos(cycle) + 0.12 * manner.limp * beat)
+    curves.spine[:, 1] = roll + effort * ((gait.tip + manner.rock) * np.cos(cycle) + 0.12 * manner.limp * beat)
     curves.spine[:, 2] = (1 + gait.yaw) * turn
     curves.head[:, 0] = -0.5 * gait.lean * effort + 4.0 * manner.pulse * effort * np.cos(2 * cycle)
     curves.head[:, 2] = -0.7 * turn
@@ -276,14 +279,14 @@ def _balance(curves: Curves, course: Course, share: float) -> None:
 
 
 def _arms(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Array) -> None:
-    swing = gait.arms * float(np.clip(manner.factor("swing"), 0.05, 2.2))
+    swing = min(gait.arms * float(np.clip(manner.factor("swing"), 0.05, 2.2)), 1.25)
     side = np.stack([-np.cos(cycle - 0.15), np.cos(cycle - 0.15)], axis=1)  # 1: this arm is ahead
     effort = effort[:, None]
     upper = effort * (swing * side - gait.drawn)
     # Walkers swing the forearm, runners the upper arm, hands before the body.
-    forearm, inward = (0.2, 0.08) if gait.duty < 0.5 else (1.2, 0.0)
+    forearm, inward = (0.35, 0.08) if gait.duty < 0.5 else (1.2, 0.0)
     bend = 0.2 + effort * (gait.elbow - 0.2 + forearm * swing * (side + 0.3))
-    out = 0.1 - (inward + 0.1 * np.maximum(side, 0.0)) * effort * min(gait.elbow, 1.0)
+    out = 0.1 + effort * (gait.out - (inward + 0.1 * np.maximum(side, 0.0)) * min(gait.elbow, 1.0))
     swing_arms(curves, upper, np.maximum(bend, 0.05), out)
     if gait.duty < 0.5:  # elbows rise behind the body
         curves.elbow[:] -= 0.3 * swing * effort * side

@@ -22,38 +22,55 @@ def _plain(gait: Gait, speed: Range, cadence: Range) -> Make:
     """A program that follows one gait at a speed and cadence from these ranges."""
 
     def make(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
-        return go(step, _own(gait, speed, cadence, rng), manner, rng, frames)
+        own = _own(gait, speed, cadence, rng)
+        if speed[0] < _FLAT_OUT:
+            own = _slowed(own, rng)
+        else:
+            manner = replace(manner, pace=max(manner.pace, -0.15), stride=max(manner.stride, -0.15))
+        return go(step, own, manner, rng, frames)
 
     return make
 
 
-def _own(gait: Gait, speed: Range, cadence: Range, rng: Generator) -> Gait:
-    """One performer's version of a gait: quicker feet go with more speed, and every measure differs somewhat.
+#: From this speed on (m/s) nobody runs at leisure: who sprints goes as fast as can be, in whatever manner.
+_FLAT_OUT = 3.0
 
-    Some run on the spot almost, bouncing, or heavily: slow for what they do, however it is called.
+
+def _own(gait: Gait, speed: Range, cadence: Range, rng: Generator) -> Gait:
+    """One performer's version of a gait: quicker feet go with more speed, and every measure differs.
+
+    Few are athletes: many let their arms hang, hold them off the body, set their feet wide or bounce.
     """
     share = rng.random()
     feet = float(np.clip(share + rng.normal(0.0, 0.3), 0.0, 1.0))
     runs = gait.duty < 0.5
-    own = replace(
+    loose = 0.35 if runs else 0.15
+    return replace(
         gait,
         speed=speed[0] + share * (speed[1] - speed[0]),
         cadence=cadence[0] + feet * (cadence[1] - cadence[0]),
         duty=gait.duty * rng.uniform(0.91, 1.05),
-        lift=gait.lift * rng.uniform(0.75, 1.35),
-        bob=gait.bob * rng.uniform(0.6, 1.5),
+        lift=gait.lift * (float(np.exp(rng.normal(-0.05, 0.35))) if runs else rng.uniform(0.7, 1.35)),
+        bob=gait.bob * float(np.exp(rng.normal(0.05, 0.45))) * (rng.uniform(1.5, 3.0) if rng.random() < 0.1 else 1.0),
         push=gait.push * rng.uniform(0.8, 1.15),
         lean=gait.lean * rng.uniform(0.3, 1.7) + rng.normal(0.0, 0.03),
         nod=gait.nod * rng.uniform(0.4, 2.0),
-        arms=gait.arms * float(np.exp(rng.normal(-0.05, 0.4))),
-        elbow=gait.elbow * rng.uniform(0.75, 1.2),
+        arms=gait.arms * float(np.exp(rng.normal(-0.05, 0.45))),
+        elbow=rng.uniform(0.25, 1.5) if rng.random() < loose else gait.elbow * rng.uniform(0.7, 1.25),
         drawn=gait.drawn + rng.normal(0.0, 0.12 if runs else 0.06),
         knees=rng.normal(0.0, 0.25 if runs else 0.08),
         kick=gait.kick * rng.uniform(0.4, 1.6),
         around=gait.around * rng.uniform(0.2, 2.0),
         behind=gait.behind + rng.normal(0.0, 0.03 if runs else 0.012),
+        out=rng.uniform(0.0, 0.25) if rng.random() < loose else rng.normal(0.0, 0.03),
+        width=gait.width * float(np.exp(rng.normal(0.0, 0.4))) + rng.uniform(-0.03, 0.09) * (rng.random() < 0.25),
+        tip=gait.tip * float(np.exp(rng.normal(0.0, 0.4))),
     )
-    if not runs or rng.random() > 0.2:
+
+
+def _slowed(own: Gait, rng: Generator) -> Gait:
+    """Some run on the spot almost, bouncing, or heavily: slow for what they do, however it is called."""
+    if own.duty > 0.5 or rng.random() > 0.2:
         return own
     return replace(own, speed=own.speed * rng.uniform(0.45, 0.8), bob=own.bob * rng.uniform(1.2, 1.8))
 
@@ -62,12 +79,12 @@ EVERYWHERE = (*STRAIGHT, *CURVED, "in place")
 RUNNING = (*AHEAD, *CURVED, "in place", "backward")
 
 _JOG = Gait(
-    duty=0.32, lift=0.26, bob=0.04, push=0.9, lean=0.23, arms=0.4, elbow=1.85, twist=0.2, yaw=-0.2, behind=0.06,
-    width=0.022, around=0.05, nod=0.04, kick=0.09, drawn=0.42, crouch=0.01,
+    duty=0.34, lift=0.27, bob=0.04, push=0.9, lean=0.25, arms=0.45, elbow=1.85, twist=0.2, yaw=-0.2, behind=0.06,
+    width=0.022, around=0.05, nod=0.04, tip=0.11, kick=0.09, drawn=0.42, crouch=0.01,
 )  # fmt: skip
-_RUN = replace(_JOG, duty=0.3, lift=0.27, bob=0.045, push=1.0, lean=0.29, arms=0.48, twist=0.24, kick=0.1)
+_RUN = replace(_JOG, duty=0.32, lift=0.29, bob=0.045, push=1.0, lean=0.29, arms=0.5, twist=0.24, kick=0.1)
 _SPRINT = replace(
-    _RUN, duty=0.25, lift=0.38, bob=0.035, push=1.1, lean=0.38, arms=0.85, elbow=1.65, drawn=0.3, twist=0.28, nod=0.05,
+    _RUN, duty=0.28, lift=0.33, bob=0.035, push=1.1, lean=0.34, arms=0.75, elbow=1.65, drawn=0.3, twist=0.28, nod=0.05,
     crouch=0.03,
 )  # fmt: skip
 _TIPTOE = Gait(duty=0.62, lift=0.06, bob=0.01, push=0.6, tiptoe=0.6, arms=0.15, elbow=0.5)
@@ -84,9 +101,9 @@ _HIGH_KNEES = Gait(duty=0.45, lift=0.42, bob=0.03, push=0.6, lean=0.0, arms=0.6,
 #: Name, gait, metres a second, steps a second, directions, weight.
 _GAITS: tuple[tuple[str, Gait, Range, Range, tuple[str, ...], float], ...] = (
     ("walk", Gait(), (1.0, 1.5), (1.7, 2.1), EVERYWHERE, 5.0),
-    ("jog", _JOG, (1.5, 3.6), (2.4, 3.1), RUNNING, 3.0),
-    ("run", _RUN, (2.0, 4.7), (2.5, 3.3), RUNNING, 4.0),
-    ("sprint", _SPRINT, (3.5, 6.8), (3.0, 4.3), ("forward", "left", "right", "back and forth"), 6.0),
+    ("jog", _JOG, (1.6, 3.5), (2.4, 3.1), RUNNING, 3.0),
+    ("run", _RUN, (1.9, 4.6), (2.4, 3.2), RUNNING, 5.0),
+    ("sprint", _SPRINT, (3.3, 6.8), (3.0, 4.3), ("forward", "left", "right", "back and forth"), 6.0),
     ("tiptoe", _TIPTOE, (0.4, 0.8), (1.5, 2.0), (*AHEAD, "backward", "around"), 1.0),
     ("march", _MARCH, (0.7, 1.2), (1.6, 2.0), (*AHEAD, "in place", "around", "backward"), 1.0),
     ("stomp", _STOMP, (0.5, 1.0), (1.4, 1.8), ("forward", "in place", "around"), 1.0),

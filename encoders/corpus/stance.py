@@ -27,7 +27,8 @@ class Stance:
     apart, ahead : feet further apart each, the left ahead of the right; metres
     toes : turned out further, radians
     soft : hips lower, metres
-    lean : trunk forward, radians
+    lean, aside : trunk forward, and to the left; radians
+    onto : hips over the left foot rather than between the feet, metres
     restless : how much hips and trunk move, 1 as most people's do
     """
 
@@ -36,18 +37,22 @@ class Stance:
     toes: float = 0.0
     soft: float = 0.0
     lean: float = 0.0
+    aside: float = 0.0
+    onto: float = 0.0
     restless: float = 0.0
 
 
 def sample_stance(rng: Generator, variation: float = 1.0) -> Stance:
-    """Most stand nearly even; some wide, some with a foot well ahead."""
+    """Most stand nearly even; some wide, some with a foot well ahead, some with their weight on one leg."""
     wide = rng.uniform(0.0, 0.14) if rng.random() < 0.2 else 0.0
     return Stance(
-        apart=variation * (wide + float(rng.normal(-0.01, 0.025))),
+        apart=variation * (wide + float(rng.normal(-0.01, 0.032))),
         ahead=variation * float(rng.normal(0.0, 0.05)) * float(rng.random() < 0.6),
         toes=variation * float(rng.normal(0.05, 0.1)),
         soft=variation * float(rng.gamma(0.8, 0.012)),
         lean=variation * float(rng.normal(0.06, 0.06)),
+        aside=variation * float(rng.normal(0.0, 0.08 if rng.random() < 0.25 else 0.02)),
+        onto=variation * float(rng.uniform(-0.1, 0.1)) * float(rng.random() < 0.35),
         restless=variation * float(np.exp(rng.normal(-0.2, 0.7))),
     )
 
@@ -68,6 +73,10 @@ def stand(curves: Curves, stance: Stance, rng: Generator) -> Curves:
     curves.root[:, 1] -= stance.soft + 0.5 * (max(stance.apart, 0.0) ** 2 + stance.ahead**2)
     curves.pelvis[:, 0] += 0.5 * stance.lean
     curves.spine[:, 0] += 0.5 * stance.lean
+    # The hip over the foot that bears the weight stands higher; the trunk stays upright over both.
+    curves.root[:] += stance.onto * aside
+    curves.pelvis[:, 1] -= 1.1 * stance.onto
+    curves.spine[:, 1] += 1.1 * stance.onto + stance.aside
     _sway(curves, stance.restless, aside, along, rng)
     return curves
 

@@ -14,7 +14,7 @@ from encoders.corpus.curves import ANKLE, HANGING, STAND, Curves, standing
 from encoders.corpus.joining import join
 from encoders.corpus.programs import parts_of, program, programs, sample_step
 from encoders.corpus.scene import Clip, Scene, Step
-from encoders.corpus.style import NEUTRAL, STYLES, apply_manner
+from encoders.corpus.style import NEUTRAL, STYLES, Manner, apply_manner
 from encoders.corpus.ways import OTHER_WAYS
 from encoders.motion import Motion
 from encoders.skeleton import INDEX, PARENTS
@@ -142,6 +142,49 @@ def test_gaits_go_at_human_speeds(name: str, low: float, high: float) -> None:
             np.linalg.norm(np.diff(act(Step(name, direction="forward"), seed, 80).root[:, [0, 2]], axis=0), axis=1) * 20
         )
         assert low < np.median(speed) < high
+
+
+def _ahead(curves: Curves) -> np.ndarray:
+    return np.diff(curves.root[:, 2]) * 20
+
+
+def test_who_sprints_goes_fast_in_any_manner_and_who_runs_may_not() -> None:
+    tired = Manner(pace=-0.6, stride=-0.5)
+
+    def speeds(name: str) -> list[float]:
+        step, make = Step(name, direction="forward"), PROGRAMS[name].make
+        return [
+            float(np.percentile(_ahead(make(step, tired, np.random.default_rng(seed), 80)), 90)) for seed in range(12)
+        ]
+
+    assert min(speeds("sprint")) > 2.3
+    assert max(speeds("run")) < 2.3
+
+
+def test_a_slower_run_lifts_the_feet_less_and_stands_longer() -> None:
+    slow, fast = (
+        [act(Step("run", direction="forward", speed=speed), seed, 80).feet[..., 1] - ANKLE for seed in range(12)]
+        for speed in ("slow", "fast")
+    )
+    assert np.mean([x.max() for x in slow]) < 0.75 * np.mean([x.max() for x in fast])
+    assert np.mean([(x < 0.02).mean() for x in slow]) > np.mean([(x < 0.02).mean() for x in fast])
+
+
+def test_some_runners_let_their_arms_hang_and_some_hold_them_off_the_body() -> None:
+    hands = np.array([act(Step("run", direction="forward"), seed, 80).hands.mean(axis=(0, 1)) for seed in range(40)])
+    outward, height = hands[:, 0], hands[:, 1]
+    assert height.min() < -0.75 < -0.6 < height.max()
+    assert outward.min() < 0.06
+    assert outward.max() > 0.2
+
+
+def test_who_turns_at_speed_takes_room_for_it() -> None:
+    for seed in range(12):
+        clip = make_clip(
+            Scene(((Step("sprint", direction="back and forth", amplitude="large"),),)), np.random.default_rng(seed)
+        )
+        head = np.linalg.norm(np.diff(joint(clip, "head"), axis=0), axis=-1) * clip.fps
+        assert head.max() < 14
 
 
 def _peaks(curve: np.ndarray, level: float) -> int:

@@ -23,6 +23,19 @@ def test_the_stance_turns_with_the_body() -> None:
     assert np.allclose((after.feet[:, LEFT] - standing(40).feet[:, LEFT])[:, [0, 2]], [0.05, 0], atol=1e-9)
 
 
+def test_weight_on_one_leg_brings_the_hips_over_its_foot_and_keeps_the_trunk_upright() -> None:
+    after = stand(standing(40), Stance(onto=0.08), np.random.default_rng(0))
+    assert np.allclose(after.root[:, 0], 0.08)
+    assert np.array_equal(after.feet, standing(40).feet)
+    assert (after.pelvis[:, 1] < -0.05).all()  # the left hip is the higher one
+    assert np.allclose(after.pelvis[:, 1] + after.spine[:, 1], 0)
+
+
+def test_a_trunk_may_lean_aside() -> None:
+    after = stand(standing(40), Stance(aside=0.1), np.random.default_rng(0))
+    assert np.allclose(after.spine[:, 1], 0.1)
+
+
 def test_hips_shift_with_restlessness_alone() -> None:
     still = stand(standing(100), Stance(), np.random.default_rng(0))
     restless = stand(standing(100), Stance(restless=1.0), np.random.default_rng(0))

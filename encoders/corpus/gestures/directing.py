@@ -122,19 +122,22 @@ def guide(c: Cue) -> list[Key]:
     place = _open_hand(angle, up, length)
     bow, gaze = max(0.0, c.r(-0.2, 0.4)), float(np.clip(angle, -1, 1)) * c.r(0.0, 0.9)
     trunk: dict[str, ArrayLike] = {"spine": (bow, 0, gaze * c.r(0, 0.5)), "head": (bow * c.r(-0.3, 0.5), 0, gaze)}
-    if c.chance(0.4):  # turns to the way, or steps aside for it
-        trunk["pelvis"] = (bow * 0.4, 0, 0.3 * gaze)
+    if c.chance(0.5):  # turns to the way, or steps aside for it
+        trunk["pelvis"] = (bow * 0.4, 0, c.r(0.2, 0.7) * gaze)
     if c.chance(0.2):
         trunk |= {"lead_foot": (0.12, 0.0, -0.18), "root": (0.04, -0.01, -0.08)}
     elif c.chance(0.12):
         trunk |= {"lead_foot": (0.05, 0.0, 0.25), "root": (0.03, -0.02, 0.12)}
     trunk |= _off_hand(c, angle, up)
     elbow, keys = c.r(-0.4, 0.3), _before_the_way(c, angle, up)
+    if keys and c.chance(0.5):  # winds up the other way
+        keys[0].channels["spine"] = np.array([0.0, 0.0, -c.r(0.1, 0.5)])
     keys += [key(c.r(0.3, 0.9), c.r(0.5, 3.0), lead=place, lead_elbow=elbow, **trunk)]
     kind = c.rng.random()
     if kind < 0.3:  # again, as one repeats an invitation
         for _ in range(int(c.rng.integers(1, 4))):
-            keys += [key(c.r(0.2, 0.35), lead=place * c.r(0.7, 0.9)), key(0.35, c.r(0.1, 0.8), lead=place)]
+            near = place * c.r(0.7, 0.9) if c.chance(0.7) else c.about((0.0, -0.7, 0.2), 0.1)
+            keys += [key(c.r(0.2, 0.45), lead=near), key(c.r(0.3, 0.5), c.r(0.1, 0.8), lead=place)]
     elif kind < 0.4:  # from the chest once more
         keys += [key(0.5, lead=(-0.2, -0.35, 0.42)), key(0.5, c.r(0.4, 1.2), lead=place)]
     elif kind < 0.5 and not c.toward:  # the other way too

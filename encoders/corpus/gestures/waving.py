@@ -80,8 +80,8 @@ def _body(c: Cue) -> tuple[dict[str, ArrayLike], dict[str, ArrayLike]]:
     """What the rest of the body does at either end of a swing: nothing, it sways, springs or hops along."""
     kind, size = c.rng.random(), c.r(0.3, 1.0)
     if kind < 0.55:
-        lean = (0.0, c.r(-0.05, 0.05), 0.0)
-        return {"spine": lean}, {"spine": (0.0, 0.0, 0.0)}
+        held = c.r(-0.15, 0.08) * c.chance(0.4)
+        return {"spine": (0.0, held + c.r(-0.05, 0.05), 0.0)}, {"spine": (0.0, held, 0.0)}
     if kind < 0.8:
         aside = 0.045 * size
         return (
@@ -132,7 +132,7 @@ def wave(c: Cue) -> list[Key]:
     ]
     for _ in range(c.times(2, 8 if c.chance(0.3) else 5, 2 * swing.beat)):
         keys += [key(swing.beat, **pose(-1.0), **here), key(swing.beat, **pose(1.0), **there)]
-    if not c.frames and c.chance(0.08):  # cut while the hand is up
+    if not c.frames and c.chance(0.15):  # cut while the hand is up
         return keys
     last = back(c.r(0.4, 0.9))
     return [*keys, Key(last.seconds, c.r(0.0, 0.3), {**last.channels, **idle})]
