@@ -1,7 +1,7 @@
 """A trained TMR becomes a bundle: two ONNX graphs with small weights, a tokenizer and a manifest.
 
-Weights of matrices and embeddings are stored as int8 with one scale per output channel (per row for embeddings) and
-turned back to floating point when the graph is loaded; activations are floating point throughout.
+Matrices are stored as int8 and turned back to floating point when the graph is loaded, the embeddings of word pieces in
+4 bits, of which only the rows that a sentence needs are turned back; activations are floating point throughout.
 """
 
 from __future__ import annotations

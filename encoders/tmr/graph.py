@@ -20,7 +20,7 @@ from torch import Tensor, nn
 
 from encoders.tmr.language import LanguageLayer, LanguageNetwork
 from encoders.tmr.network import Encoder, EncoderLayer, Gist
-from encoders.tmr.quantise import int8_rows
+from encoders.tmr.quantise import MIDDLE, int4_rows, int8_rows
 
 OPSET = 20
 IR_VERSION = 10
@@ -67,13 +67,22 @@ class Graph:
         return str(self.add("Reshape", rows, self.constant(array.shape)))
 
     def rows(self, table: Tensor, indices: str) -> str:
-        """Rows of an embedding table (V, D) at some indices; only they are turned to floating point."""
+        """Rows of an embedding table (V, D) at indices (A, B); in 4 bits, only they are turned to floating point."""
         array = table.detach().numpy()
         if not self._int8:
             return self.add("Gather", self._store(array, "table"), indices)
-        values, scales = int8_rows(array)
-        rows = self.add("Cast", self.add("Gather", self._store(values, "table"), indices), to=TensorProto.FLOAT)
-        return self.add("Mul", rows, self.add("Gather", self._store(scales[:, None], "scale"), indices))
+        width = array.shape[1]
+        block = _BLOCK if width % _BLOCK == 0 else width
+        packed, scales = int4_rows(array, block)
+        pairs = self.add("Gather", self._store(packed, "table"), indices)
+        low = self.add("BitwiseAnd", pairs, self.constant([15], np.uint8))
+        high = self.add("BitShift", pairs, self.constant([4], np.uint8), direction="RIGHT")
+        steps = self.add("Cast", self.add("Concat", low, high, axis=2), to=TensorProto.FLOAT)
+        centred = self.add("Sub", steps, self.constant(MIDDLE, np.float32))
+        blocks = self.add("Reshape", centred, self.constant([0, 0, -1, block]))
+        scale = self.add("Cast", self.add("Gather", self._store(scales, "scale"), indices), to=TensorProto.FLOAT)
+        scaled = self.add("Mul", blocks, self.add("Unsqueeze", scale, self.constant([3])))
+        return str(self.add("Reshape", scaled, self.constant([0, 0, width])))
 
     def linear(self, x: str, weight: Tensor, bias: Tensor) -> str:
         """x (N, in) -> (N, out)."""
