@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from encoders.corpus.compose import make_clip
 from encoders.corpus.facts import facts, stated_by
-from encoders.corpus.language import describe, parse, random_scene, swap
+from encoders.corpus.language import describe, parse, random_gait, random_scene, swap
 from encoders.corpus.programs import program_of
 from encoders.corpus.scene import Scene, Step
 from encoders.kinds import FeatureKind
@@ -123,18 +123,22 @@ def made_clips(
     *,
     sentences: Sequence[str] = (),
     human_share: float = 0.4,
+    gait_share: float = 0.0,
     longest: float = 12.8,
     held_out: Callable[[str], bool] | None = None,
 ) -> Iterator[Made]:
-    """`count` made clips of at most `longest` seconds; a share of them act out human sentences that can be read surely.
+    """`count` made clips of at most `longest` seconds; the same seed makes the same clips.
 
-    The same seed makes the same clips.
+    In `gait_share` of them somebody just goes; of the others `human_share` act out human sentences that can be read
+    surely.
     """
     rng = np.random.default_rng(seed)
     while count > 0:
         scene: Scene | None = None
         said: tuple[str, ...] = ()
-        if len(sentences) and rng.random() < human_share:
+        if gait_share and rng.random() < gait_share:
+            scene = random_gait(rng)
+        elif len(sentences) and rng.random() < human_share:
             sentence = sentences[int(rng.integers(len(sentences)))]
             scene = parse(sentence)
             said = (sentence,)

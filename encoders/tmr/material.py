@@ -25,10 +25,12 @@ from encoders.tmr.data import Pair, PairStore
 SHARD = 2500
 
 
-def made_store(path: Path, seed: int, count: int, kind: str, sentences: Sequence[str], held_out: HeldOut) -> PairStore:
-    """`count` made clips, from `path` if they are there, else made and kept there."""
+def made_store(
+    path: Path, seed: int, count: int, kind: str, sentences: Sequence[str], held_out: HeldOut, gaits: float = 0.0
+) -> PairStore:
+    """`count` made clips, from `path` if they are there, else made and kept there; `gaits`: share that just go."""
     if not path.exists():
-        clips = made_clips(seed, count, FEATURE_KINDS[kind], sentences=sentences, held_out=held_out)
+        clips = made_clips(seed, count, FEATURE_KINDS[kind], sentences=sentences, gait_share=gaits, held_out=held_out)
         PairStore(Pair(m.features, m.captions, m.meanings, facts(m.scene), m.swapped) for m in clips).save(path)
     return PairStore.load(path)
 
@@ -40,6 +42,7 @@ def made_stores(
     sentences: Sequence[str],
     held_out: HeldOut,
     *,
+    gaits: float = 0.0,
     seed: int = TRAINING,
     jobs: int | None = None,
     say: Callable[[str], None] = print,
@@ -52,15 +55,15 @@ def made_stores(
     missing = [(path, seed + i) for i, path in enumerate(paths) if not path.exists()]
     if missing:
         with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-            tasks = [pool.submit(_make_shard, path, s, kind, tuple(sentences), held_out) for path, s in missing]
+            tasks = [pool.submit(_make_shard, path, s, kind, tuple(sentences), held_out, gaits) for path, s in missing]
             for done, task in enumerate(tasks, 1):
                 task.result()
                 say(f"made {done * SHARD} of {len(missing) * SHARD} clips")
     return PairStore.joined([PairStore.load(path) for path in paths])
 
 
-def _make_shard(path: Path, seed: int, kind: str, sentences: Sequence[str], held_out: HeldOut) -> None:
-    made_store(path, seed, SHARD, kind, sentences, held_out)
+def _make_shard(path: Path, seed: int, kind: str, sentences: Sequence[str], held_out: HeldOut, gaits: float) -> None:
+    made_store(path, seed, SHARD, kind, sentences, held_out, gaits)
 
 
 def real_store(

@@ -33,6 +33,7 @@ _RECOMBINED = 1500
 @click.command()
 @click.argument("run", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--made", type=click.IntRange(1000), default=32_500, show_default=True, help="Clips made by rule.")
+@click.option("--gaits", type=click.FloatRange(0, 1), default=0.0, help="Share of them in which somebody just goes.")
 @click.option("--real", type=_FOLDER, help="Folder of captioned takes with a manifest.tsv.")
 @click.option("--captions", type=_FILE, help="What people wrote about them, JSON lines.")
 @click.option("--sentences", type=_FILE, help="Human sentences to act out, one a line.")
@@ -49,6 +50,7 @@ _RECOMBINED = 1500
 def train(
     run: Path,
     made: int,
+    gaits: float,
     real: Path | None,
     captions: Path | None,
     sentences: Path | None,
@@ -90,7 +92,7 @@ def train(
     lines = [text for text in _sentences(sentences) if not banned(text)] if sentences else []
     people, asked = real_stores(real, captions, kind, banned) if real and captions else (None, None)
     seed = TRAINING + RUNS_APART * chosen.seed
-    clips = made_stores(run, made, kind.name, lines, banned, seed=seed, jobs=jobs, say=click.echo)
+    clips = made_stores(run, made, kind.name, lines, banned, gaits=gaits, seed=seed, jobs=jobs, say=click.echo)
     validation = made_store(run / "validation.npz", VALIDATION, 1000, kind.name, (), banned)
     batches, validate, normaliser = prepare(
         chosen, clips, people, validation, asked, unrelated_sentences(600), language, run, normaliser

@@ -34,6 +34,15 @@ def test_the_same_seed_makes_the_same_clips() -> None:
     assert other.captions != first[0].captions
 
 
+def test_a_share_of_the_clips_may_just_go(unacted: FeatureKind) -> None:
+    clips = list(made_clips(2, 100, unacted, sentences=SENTENCES, gait_share=0.6))
+    goes = [clip.scene.steps[0][0] for clip in clips if len(clip.scene.steps) == len(clip.scene.steps[0]) == 1]
+    gaits = [step for step in goes if step.action in ("walk", "run", "jog", "sprint", "sidestep", "turn")]
+    assert 50 <= len(gaits) <= 80
+    assert {step.action for step in gaits} >= {"walk", "run", "jog", "sprint"}
+    assert len({step.style for step in gaits}) > 8
+
+
 def test_clips_are_as_long_as_was_asked_at_most() -> None:
     for clip in made_clips(1, 3, BODY, longest=5.0):
         assert 1 <= len(clip.features) <= 50

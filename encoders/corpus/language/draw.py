@@ -15,6 +15,9 @@ from encoders.corpus.scene import Scene, Step
 _LENGTHS = (0.5, 0.28, 0.15, 0.07)  # share of scenes with 1, 2, 3 and 4 steps in sequence
 _AT_ONCE = 0.22  # share of groups with a second action, where one fits
 _CARRIERS = ("locomotion", "posture")  # what a gesture may accompany
+#: How people go, and how often each is drawn where nothing else happens.
+_GAITS = {"walk": 5.0, "run": 4.0, "jog": 2.0, "sprint": 3.0, "sidestep": 1.0, "turn": 1.0}
+_STRAIGHT = 0.5  # share of those that name no direction
 _FLATTEN = 0.5  # exponent on how often people mention an action: 0 all alike, 1 as in their sentences
 
 
@@ -89,3 +92,10 @@ def random_scene(rng: Generator) -> Scene:
         groups.append(group)
         posture, previous = action.ends, action.name
     return Scene(tuple(groups))
+
+
+def random_gait(rng: Generator) -> Scene:
+    """Somebody goes, and nothing else: what people ask for most, and must be told apart in every style."""
+    action = _draw(rng, [(programs()[name], weight) for name, weight in _GAITS.items()])
+    step = sample_step(action, rng, detail=0.7)
+    return Scene(((replace(step, direction="") if rng.random() < _STRAIGHT else step,),))
