@@ -24,19 +24,25 @@ AHEAD = ("forward", "left", "right", "forward-left", "forward-right")
 CURVED = ("clockwise", "counterclockwise", "around", "zigzag", "back and forth")
 
 
+#: Share of takes that were cut where somebody is already going and still goes on.
+_UNDER_WAY = 0.25
+
+
 def seconds(frames: int) -> Array:
     """Time of every frame of a course, (N,), 0 where the kept part begins."""
     return (np.arange(frames + 2 * PAD) - PAD) / FPS
 
 
 def effort(frames: int, rng: Generator, *, rest: float = 0.6, rise: float = 0.6) -> Array:
-    """Speed over time, 0 to 1, (N,): from rest or already going, to rest or still going.
+    """Speed over time, 0 to 1, (N,): from rest or already going, to rest or still going, some all the time.
 
     `rest` is the chance of rest at either end, `rise` the seconds it takes to get going.
     """
     now, total = seconds(frames), frames / FPS
     rise = min(rise * rng.uniform(0.6, 1.5), 0.35 * total)
     going = np.ones(len(now))
+    if rng.random() < _UNDER_WAY:
+        return going
     if rng.random() < rest:
         going *= ease((now - rng.uniform(0.0, 0.2)) / (rise * rng.uniform(0.8, 1.3)))
     if rng.random() < rest:
@@ -182,13 +188,17 @@ def integrate(way: Array, direction: Array) -> Array:
 
 
 def stay(step: Step, gait: Gait, manner: Manner, rng: Generator) -> int:
-    """Frames that a performer has at this gait: up to 6 seconds, mostly cut short by a room of 3 to 8 metres."""
+    """Frames that a performer has at this gait: up to 12 seconds, mostly cut short by a room of 3 to 10 metres."""
     runs = gait.duty < 0.5
-    frames = int((rng.uniform(1.5, 4.0) if runs and rng.random() < 0.6 else rng.uniform(2.0, 6.0)) * FPS)
-    if step.direction not in STRAIGHT or rng.random() < 0.2:
-        return frames
+    most = rng.uniform(1.5, 4.0) if runs and rng.random() < 0.6 else rng.uniform(2.0, 6.0)
+    if step.direction not in STRAIGHT:
+        return int(most * FPS)
+    if rng.random() < 0.4:  # a straight way across a hall
+        most = rng.uniform(4.0, 12.0)
+    if rng.random() < 0.2:
+        return int(most * FPS)
     speed = gait.speed * manner.factor("pace") * manner.factor("stride") * SPEED[step.speed]
-    return min(frames, int((max(rng.uniform(2.5, 8.0) / speed, 0.8) + rng.uniform(0.1, 1.0)) * FPS))
+    return int(min(most, max(rng.uniform(2.5, 10.0) / speed, 0.8) + rng.uniform(0.1, 1.0)) * FPS)
 
 
 def go(step: Step, gait: Gait, manner: Manner, rng: Generator, frames: int = 0) -> Curves:

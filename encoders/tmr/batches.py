@@ -10,10 +10,10 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from encoders.corpus.facts import Untold, stated_by
-from encoders.tmr.augment import turned
-from encoders.tmr.data import PairStore, sides_conflict
+from encoders.tmr.augment import postured, turned
+from encoders.tmr.data import PairStore
 from encoders.tmr.embed import embed_motions
+from encoders.tmr.negatives import NoNegatives
 from encoders.tmr.network import TMR
 from encoders.tmr.normaliser import Normaliser
 from encoders.tmr.recipe import Recipe
@@ -59,7 +59,7 @@ class Batches:
         self.made, self.real, self.recipe, self.tokens, self.normaliser = made, real, recipe, tokens, normaliser
         self.rows = {id(store): np.array([texts[t] for t in store.texts]) for store in (made, real) if store}
         self.all_texts = list(texts)
-        self.untold = Untold(made.vocabulary)
+        self.no_negatives = NoNegatives(made, real, tokens, recipe)
         self.unrelated = np.array([texts[t] for t in unrelated])
         self.places: NDArray[np.float32] | None = None
 
@@ -87,7 +87,7 @@ class Batches:
         texts = self._words([*own, *(t for _, t in swapped), *away.tolist()], rng)
         ignore = np.zeros((len(own) + len(swapped) + len(away), len(own)), bool)
         if recipe.filter == "facts":
-            ignore[: len(own)] = self._no_negatives(picks, chosen, own)
+            ignore[: len(own)] = self.no_negatives(picks, chosen, own, [self.all_texts[t] for t in own])
         for extra, (row, _) in enumerate(swapped):
             ignore[len(own) + extra] = True
             ignore[len(own) + extra, row] = False
@@ -113,10 +113,17 @@ class Batches:
         x = store.motion(index).astype(np.float32)
         if recipe.yaw or recipe.tilt:
             x = turned(x, rng, recipe.yaw, recipe.tilt)
+        if recipe.posture:
+            x = postured(x, rng, recipe.posture)
         x = (x - self.normaliser.mean) / self.normaliser.std
         limit = recipe.max_frames
         facts = store.facts[index]
-        if rng.random() < recipe.crop and facts is not None and not any("<" in store.vocabulary[f] for f in facts):
+        if (
+            rng.random() < recipe.crop
+            and store is self.made
+            and facts
+            and not any("<" in store.vocabulary[f] for f in facts)
+        ):
             limit = min(limit, max(12, int(len(x) * rng.uniform(0.3, 1))))
         if len(x) > limit:
             start = int(rng.integers(len(x) - limit + 1))
@@ -130,21 +137,3 @@ class Batches:
         rows = self.tokens.rows(indices)
         kept = [rng.random(len(row)) >= self.recipe.words_lost for row in rows]
         return [row[keep | (np.arange(len(row)) == 0)] for row, keep in zip(rows, kept, strict=True)]
-
-    def _no_negatives(self, picks: list[tuple[PairStore, int]], chosen: list[int], own: list[int]) -> NDArray[np.bool_]:
-        """(texts, motions): the sentence is, or may well be, true of a motion it was not written for."""
-        made = np.array([store.facts[i] is not None for store, i in picks])
-        ignore = np.zeros((len(picks), len(picks)), bool)
-        rows = np.flatnonzero(made)
-        if len(rows):
-            store = self.made
-            meanings = [store.meanings[picks[r][1]][chosen[r]] for r in rows]  # type: ignore[index]
-            facts = [store.facts[picks[r][1]] or [] for r in rows]
-            true = stated_by(meanings, facts, len(store.vocabulary))
-            ignore[np.ix_(rows, rows)] = true & ~self.untold(meanings, facts) if self.recipe.typical else true
-        involved = ~(made[:, None] & made[None, :])
-        sentences = self.tokens.sentences[own]
-        near = sentences @ sentences.T > 2 * self.recipe.similarity - 1
-        ignore |= near & involved & ~sides_conflict([self.all_texts[t] for t in own])
-        same = np.array(own)[:, None] == np.array(own)[None, :]
-        return ignore | same

@@ -25,8 +25,8 @@ class Pair:
     ----------
     features : float array (T, F)
     captions : sentences that are true of the motion
-    meanings : for each caption the facts it states (made clips), or None (real clips: only the words are known)
-    facts : everything true of the motion (made clips), or None
+    meanings : for each caption the facts it states, or None (real clips of which nothing that is said is understood)
+    facts : everything true of the motion (made clips), or what was said to be (real clips), or None
     swapped : for each caption one that looks alike but is false (order, side, direction or count changed), or empty;
         nothing at all where no caption has one
     """

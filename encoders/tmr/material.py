@@ -17,6 +17,7 @@ from encoders.corpus.language import HeldOut
 from encoders.corpus.made import made_clips
 from encoders.corpus.real import CaptionedTake, real_clips
 from encoders.corpus.recombined import recombined
+from encoders.corpus.retold import retell
 from encoders.corpus.seeds import TRAINING
 from encoders.corpus.unrelated import unrelated_sentence
 from encoders.kinds import FEATURE_KINDS, FeatureKind
@@ -76,15 +77,26 @@ def real_store(
         Pair(kind.compute(motion), true, swapped=false)
         for motion, true, false in recombined(takes, recombine, np.random.default_rng(TRAINING))
     )
-    allowed = (_without(pair, held_out) for pair in chain(own, new))
-    return PairStore(pair for pair in allowed if pair.captions)
+    rng = np.random.default_rng(TRAINING)
+    allowed = (kept for pair in chain(own, new) if (kept := _without(pair, held_out)).captions)
+    return PairStore(_without(_retold(pair, rng), held_out) if varied else pair for pair in allowed)
+
+
+def _retold(pair: Pair, rng: np.random.Generator) -> Pair:
+    """The pair with what its captions say as facts, and in other words, too, where one is understood."""
+    retold = retell(pair.captions, rng)
+    if retold is None:
+        return pair
+    twins = (*(pair.swapped or ("",) * len(pair.captions)), *("",) * len(retold.captions))
+    return Pair(pair.features, (*pair.captions, *retold.captions), retold.meanings, retold.facts, twins)
 
 
 def _without(pair: Pair, held_out: HeldOut) -> Pair:
     """The pair without the captions that are held out, and without their false twins."""
     kept = [i for i, caption in enumerate(pair.captions) if not held_out(caption)]
     swapped = tuple("" if held_out(pair.swapped[i]) else pair.swapped[i] for i in kept) if pair.swapped else ()
-    return replace(pair, captions=tuple(pair.captions[i] for i in kept), swapped=swapped)
+    meanings = None if pair.meanings is None else tuple(pair.meanings[i] for i in kept)
+    return replace(pair, captions=tuple(pair.captions[i] for i in kept), meanings=meanings, swapped=swapped)
 
 
 def unrelated_sentences(count: int, seed: int = 0) -> list[str]:

@@ -48,6 +48,7 @@ class Recipe:
     crop : share of single-action clips of which a random part is shown
     noise, bias : standard deviations of frame noise and of a constant offset a clip, in standardised units
     yaw, tilt : standard deviations in degrees by which a clip's frame is turned about the vertical, and tilted
+    posture : standard deviation in degrees by which arms and trunk are carried otherwise, a clip
     words_lost : chance of each word piece to be left out of a sentence
     averaging : decay of the running mean of weights that is kept
     gist_steps : steps at the end in which the gist alone learns
@@ -80,6 +81,7 @@ class Recipe:
     bias: float = 0.1
     yaw: float = 4.0
     tilt: float = 1.0
+    posture: float = 0.0
     words_lost: float = 0.05
     averaging: float = 0.995
     gist_steps: int = 2500

@@ -206,7 +206,7 @@ def test_counts_are_kept(count: int) -> None:
 def test_sidesteps_keep_facing_ahead(direction: str, sign: int) -> None:
     for seed in range(8):
         curves = act(Step("sidestep", direction=direction), seed)
-        assert np.abs(curves.heading).max() < 0.4
+        assert np.abs(curves.heading).max() < 0.7
         assert sign * (curves.root[-1, 0] - curves.root[0, 0]) > 0.3
 
 

@@ -1,12 +1,12 @@
-"""Turned features are those of the same movement seen from a slightly other frame."""
+"""Varied features are those of the same movement: seen from a slightly other frame, by somebody of another posture."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from encoders.body import LAYOUT, SIZE
-from encoders.tmr.augment import turned
+from encoders.body import LAYOUT, POINTS, SIZE
+from encoders.tmr.augment import postured, turned
 
 
 @pytest.fixture
@@ -46,3 +46,38 @@ def test_yaw_leaves_the_vertical_and_tilt_does_not(features: np.ndarray) -> None
 
 def test_no_angle_changes_nothing(features: np.ndarray) -> None:
     np.testing.assert_allclose(turned(features, np.random.default_rng(1), 0.0, 0.0), features, atol=1e-6)
+
+
+def lengths(features: np.ndarray, start: str, end: str) -> np.ndarray:
+    points = vectors(features, "positions")
+    return np.linalg.norm(points[:, POINTS.index(end)] - points[:, POINTS.index(start)], axis=-1)
+
+
+def test_another_posture_keeps_legs_place_and_the_lengths_of_arms(features: np.ndarray) -> None:
+    moved = postured(features, np.random.default_rng(1), 10.0)
+    legs = [i for i, name in enumerate(POINTS) if name.endswith(("knee", "ankle", "foot"))]
+    for name in ("positions", "velocities"):
+        np.testing.assert_array_equal(vectors(moved, name)[:, legs], vectors(features, name)[:, legs])
+    for name in ("root_velocity", "height", "contacts", "yaw_rate"):
+        np.testing.assert_array_equal(moved[:, LAYOUT[name]], features[:, LAYOUT[name]])
+    for limb in (("left_shoulder", "left_elbow"), ("right_elbow", "right_wrist")):
+        np.testing.assert_allclose(lengths(moved, *limb), lengths(features, *limb), rtol=1e-4)
+    assert np.abs(vectors(moved, "positions") - vectors(features, "positions")).max() > 0.05
+
+
+def test_velocities_go_with_the_limb_that_is_carried_otherwise() -> None:
+    """An arm swung about its shoulder, from which the elbow's velocity follows."""
+    angle = np.linspace(-0.5, 0.5, 41)
+    features = np.zeros((41, SIZE), np.float32)
+    elbow = np.stack([0 * angle, -np.cos(angle), np.sin(angle)], axis=-1)
+    columns = [
+        np.arange(SIZE)[LAYOUT[name]].reshape(-1, 3)[POINTS.index("left_elbow")] for name in ("positions", "velocities")
+    ]
+    features[:, columns[0]], features[:, columns[1]] = elbow, np.gradient(elbow, axis=0)
+    for seed in range(4):
+        moved = postured(features, np.random.default_rng(seed), 5.0)
+        np.testing.assert_allclose(moved[1:-1, columns[1]], np.gradient(moved[:, columns[0]], axis=0)[1:-1], atol=3e-3)
+
+
+def test_no_other_posture_changes_nothing(features: np.ndarray) -> None:
+    np.testing.assert_allclose(postured(features, np.random.default_rng(1), 0.0), features, atol=1e-5)
