@@ -6,6 +6,7 @@ along", which was written for a made one, and is itself described that way, too.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -16,6 +17,13 @@ from encoders.corpus.facts import facts
 from encoders.corpus.language import describe, parse
 from encoders.corpus.programs import program_of
 from encoders.corpus.scene import Scene, Step
+
+_MANNER = re.compile(r" (?:with|in an?|at an?|as if|as though|towards?|across|down)\b")
+#: What shows that words say more than how somebody acts: further clauses, ways to go, limbs that act.
+_ACTS = re.compile(
+    r",|\b(?:and|then|while|before|after|left|right|circ\w+|diag\w+|sides?|lines?|back\w*|curv\w+|square|legs?|foot"
+    r"|feet|knees?|hands?|both|turns?)\b"
+)
 
 
 @dataclass(frozen=True)
@@ -50,7 +58,12 @@ def retell(captions: Sequence[str], rng: Generator, *, count: int = 3) -> Retold
 
 @lru_cache(maxsize=10_000)
 def _scene(caption: str) -> Scene | None:
-    return parse(caption)
+    """The scene of a caption, else of what comes before a mere manner, as "a person runs" of "... with bent arms"."""
+    manners = [m for m in _MANNER.finditer(caption) if not _ACTS.search(caption, m.start())]
+    told = [caption, *(caption[: m.start()] for m in reversed(manners))]
+    if not _ACTS.search(caption):
+        told += caption.split("/")[:1]
+    return next((scene for words in told if (scene := parse(words)) is not None), None)
 
 
 def _ahead(scene: Scene) -> Scene:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from encoders.corpus.retold import retell
 
@@ -35,6 +36,21 @@ def test_a_sentence_not_understood_states_the_actions_that_others_name() -> None
     )
     assert told is not None
     assert told.meanings[0] == {"walk", "sit down"}
+
+
+@pytest.mark.parametrize(
+    ("said", "shown"),
+    [
+        ("a man jogs forward in a relaxed fashion", {"jog", "run", "jog.direction=forward", "run.direction=forward"}),
+        ("walk/stroll", {"walk", "walk.direction=forward"}),
+        ("a man walks with his left arm raised", None),
+        ("a man walks in a large circle", {"walk", "walk.direction=around"}),
+        ("run/jog, veer left", None),
+    ],
+)
+def test_a_mere_manner_need_not_be_understood(said: str, shown: set[str] | None) -> None:
+    told = retell([said], np.random.default_rng(0))
+    assert (told and told.facts) == shown
 
 
 def test_of_what_nobody_understands_nothing_is_told() -> None:
