@@ -50,6 +50,16 @@ def effort(frames: int, rng: Generator, *, rest: float = 0.6, rise: float = 0.6)
     return going
 
 
+def _gaining(frames: int, rng: Generator) -> Array:
+    """Speed over time of somebody who sprints in a hall, 0 to 1, (N,): from rest or not, it is gained all the way."""
+    now, total = seconds(frames), frames / FPS
+    first = 0.0 if rng.random() < 0.35 else rng.uniform(0.4, 0.85)
+    going = 1 - (1 - first) * np.exp(-np.maximum(now - 0.1, 0.0) / rng.uniform(0.5, 1.6))
+    if rng.random() < 0.3:
+        going *= ease((total - now) / rng.uniform(0.4, 0.8))
+    return np.asarray(going)
+
+
 def _circling(direction: str, gone: Array, total: float, rng: Generator) -> Array:
     side = {"clockwise": -1.0, "counterclockwise": 1.0}.get(direction, rng.choice([-1.0, 1.0]))
     radius = max(rng.uniform(0.5, 1.6), total / (3.5 * np.pi))
@@ -125,7 +135,7 @@ def travel(
     speed = gait.speed * pace * manner.factor("pace") * stride * sideways
     speed = min(speed, fastest)
     if going is None:  # runs in a hall are short, with the start and the stop inside
-        going = effort(frames, rng, rest=0.5 if gait.duty > 0.5 else 0.65)
+        going = _gaining(frames, rng) if gait.gains else effort(frames, rng, rest=0.5 if gait.duty > 0.5 else 0.65)
     way = np.cumsum(speed * going) / FPS
     facing, angle = bearing(
         "" if still else step.direction, np.zeros_like(way) if still else way, rng, faces=gait.faces
@@ -140,7 +150,8 @@ def travel(
     duty = min(gait.duty, max(reach * pace_of_feet / 2 / max(speed, 0.1), 0.52 if gait.duty > 0.5 else 0.2))
     phase = gait_phase(pace_of_feet * (0.75 + 0.25 * going), rng.random(), manner)
     backing = max(-float(np.cos(angle)), 0.0)
-    course = Course(integrate(0.0 * way if still else way, facing + angle), facing - facing[PAD], going, phase)
+    trying = going**0.4 if gait.gains else going  # who sprints does his utmost from the first step
+    course = Course(integrate(0.0 * way if still else way, facing + angle), facing - facing[PAD], trying, phase)
     changed = replace(
         gait,
         speed=speed,

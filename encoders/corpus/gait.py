@@ -67,6 +67,8 @@ class Gait:
         How far the left foot is put ahead of the right one's line, for legs that cross sideways.
     faces : bool
         Whether the body never turns to the side to which it goes.
+    gains : bool
+        Whether speed is gained all the way.
     """
 
     speed: float = 1.25
@@ -94,6 +96,7 @@ class Gait:
     offset: float = 0.5
     cross: float = 0.0
     faces: bool = False
+    gains: bool = False
 
 
 @dataclass(frozen=True)

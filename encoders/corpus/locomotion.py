@@ -19,21 +19,21 @@ Range = tuple[float, float]
 
 
 def _plain(gait: Gait, speed: Range, cadence: Range) -> Make:
-    """A program that follows one gait at a speed and cadence from these ranges."""
+    """A program that follows one gait at a speed and cadence from these ranges.
+
+    In whatever manner, who runs is no slower than who walks, and who sprints goes as fast as can be.
+    """
 
     def make(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
         own = _own(gait, speed, cadence, rng)
-        if speed[0] < _FLAT_OUT:
+        if own.duty < 0.5:
+            least = -0.15 if own.gains else -0.35
+            manner = replace(manner, pace=max(manner.pace, least), stride=max(manner.stride, least))
+        if not own.gains:
             own = _slowed(own, rng)
-        else:
-            manner = replace(manner, pace=max(manner.pace, -0.15), stride=max(manner.stride, -0.15))
         return go(step, own, manner, rng, frames)
 
     return make
-
-
-#: From this speed on (m/s) nobody runs at leisure: who sprints goes as fast as can be, in whatever manner.
-_FLAT_OUT = 3.0
 
 
 def _own(gait: Gait, speed: Range, cadence: Range, rng: Generator) -> Gait:
@@ -70,7 +70,7 @@ def _own(gait: Gait, speed: Range, cadence: Range, rng: Generator) -> Gait:
 
 def _slowed(own: Gait, rng: Generator) -> Gait:
     """Some run on the spot almost, bouncing, or heavily: slow for what they do, however it is called."""
-    if own.duty > 0.5 or rng.random() > 0.2:
+    if own.duty > 0.5 or rng.random() > 0.15:
         return own
     return replace(own, speed=own.speed * rng.uniform(0.45, 0.8), bob=own.bob * rng.uniform(1.2, 1.8))
 
@@ -85,7 +85,7 @@ _JOG = Gait(
 _RUN = replace(_JOG, duty=0.32, lift=0.29, bob=0.045, push=1.0, lean=0.29, arms=0.5, twist=0.24, kick=0.1)
 _SPRINT = replace(
     _RUN, duty=0.28, lift=0.33, bob=0.035, push=1.1, lean=0.34, arms=0.75, elbow=1.65, drawn=0.3, twist=0.28, nod=0.05,
-    crouch=0.03,
+    crouch=0.03, gains=True,
 )  # fmt: skip
 _TIPTOE = Gait(duty=0.62, lift=0.06, bob=0.01, push=0.6, tiptoe=0.6, arms=0.15, elbow=0.5)
 _MARCH = Gait(duty=0.58, lift=0.32, push=0.4, lean=-0.05, arms=0.75, elbow=0.15, width=0.08)
@@ -103,7 +103,7 @@ _GAITS: tuple[tuple[str, Gait, Range, Range, tuple[str, ...], float], ...] = (
     ("walk", Gait(), (1.0, 1.5), (1.7, 2.1), EVERYWHERE, 5.0),
     ("jog", _JOG, (1.6, 3.5), (2.4, 3.1), RUNNING, 3.0),
     ("run", _RUN, (1.9, 4.6), (2.4, 3.2), RUNNING, 5.0),
-    ("sprint", _SPRINT, (3.3, 6.8), (3.0, 4.3), ("forward", "left", "right", "back and forth"), 6.0),
+    ("sprint", _SPRINT, (3.5, 7.0), (3.0, 4.3), ("forward", "left", "right", "back and forth"), 6.0),
     ("tiptoe", _TIPTOE, (0.4, 0.8), (1.5, 2.0), (*AHEAD, "backward", "around"), 1.0),
     ("march", _MARCH, (0.7, 1.2), (1.6, 2.0), (*AHEAD, "in place", "around", "backward"), 1.0),
     ("stomp", _STOMP, (0.5, 1.0), (1.4, 1.8), ("forward", "in place", "around"), 1.0),
