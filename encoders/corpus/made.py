@@ -83,7 +83,7 @@ def make(
     clip = make_clip(whole, rng)
     stated = {text: (facts(scene), "") for text in said}
     for _ in range(count):
-        text, meaning, twin = _caption(whole, rng)
+        text, meaning, twin = told(whole, rng)
         stated.setdefault(text, (meaning, twin))
     banned = held_out or _none
     texts = [text for text in stated if not banned(text)]
@@ -101,7 +101,7 @@ def _none(_: str) -> bool:
     return False
 
 
-def _caption(scene: Scene, rng: Generator) -> tuple[str, frozenset[str], str]:
+def told(scene: Scene, rng: Generator) -> tuple[str, frozenset[str], str]:
     """A caption, the facts it states, and its twin: the same wording, of which one thing is false; empty if none is.
 
     Both are written with the same chance, so that most differ in nothing but the order, side, direction or count.

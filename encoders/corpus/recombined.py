@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.random import Generator
@@ -22,6 +22,7 @@ from encoders.corpus.language.verbs import lemmas
 from encoders.corpus.made import settle
 from encoders.corpus.programs import programs, sample_step
 from encoders.corpus.real import CaptionedTake, mirror_words
+from encoders.corpus.retold import understood
 from encoders.corpus.scene import Scene
 from encoders.corpus.takes import join
 from encoders.motion import FPS, Motion
@@ -46,22 +47,38 @@ _ARM = np.array([[INDEX[f"{side}_{joint}"] for joint in ("shoulder", "elbow", "w
 
 @dataclass(frozen=True)
 class Piece:
-    """Joints (T, 22, 3) at 20 frames a second and what people said of them."""
+    """Joints (T, 22, 3) at 20 frames a second, what people said of them, and the scene where that is understood."""
 
     joints: Array
     captions: tuple[str, ...]
+    scene: Scene | None = None
+
+    @classmethod
+    def said(cls, joints: Array, captions: tuple[str, ...]) -> Piece:
+        """A piece with the scene of the first caption that is understood."""
+        return cls(joints, captions, next(filter(None, map(understood, captions)), None))
 
     def varied(self, rng: Generator) -> Piece:
         """The piece played at a random speed, perhaps mirrored, its words too."""
         motion = Motion(self.joints, FPS * float(rng.choice(_SPEEDS))).resample(FPS)
         if rng.random() < 0.5:
-            return Piece(motion.joints, self.captions)
-        return Piece(motion.mirror().joints, tuple(map(mirror_words, self.captions)))
+            return replace(self, joints=motion.joints)
+        return Piece.said(motion.mirror().joints, tuple(map(mirror_words, self.captions)))
 
     @property
     def speed(self) -> float:
         """How fast the hips travel on average, metres a second."""
         return FPS * float(np.hypot(*np.diff(self.joints[:, 0, [0, 2]], axis=0).T).mean())
+
+
+@dataclass(frozen=True)
+class Recombined:
+    """A new motion, sentences that are true of it, for each perhaps one that is not, and the scene where known."""
+
+    motion: Motion
+    captions: tuple[str, ...]
+    swapped: tuple[str, ...]
+    scene: Scene | None
 
 
 def pieces(takes: Iterable[CaptionedTake]) -> Iterator[Piece]:
@@ -72,25 +89,29 @@ def pieces(takes: Iterable[CaptionedTake]) -> Iterator[Piece]:
             first, last = int(span.start * FPS), int(min(span.end, take.motion.duration) * FPS)
             said = tuple(c.strip(" .") for c in span.captions if len(c.split()) <= _WORDS and "then" not in c)
             if said and _SHORTEST <= (last - first) / FPS <= _LONGEST:
-                yield Piece(joints[first:last], said)
+                yield Piece.said(joints[first:last], said)
 
 
-def joined_pair(first: Piece, second: Piece, rng: Generator) -> tuple[Motion, tuple[str, ...], tuple[str, ...]]:
-    """One after the other: the motion, sentences true of it, and the same with the order swapped."""
+def joined_pair(first: Piece, second: Piece, rng: Generator) -> Recombined:
+    """One after the other; what is not true has the order swapped."""
     motion = Motion(join([first.joints, second.joints]), FPS)
     chances = rng.integers(2**62, size=2)
     true, false = (
         tuple(_say(a, b, _THEN, np.random.default_rng(chance)) for chance in chances)
         for a, b in ((first, second), (second, first))
     )
-    return motion, true, false
+    scene = Scene((*first.scene.steps, *second.scene.steps)) if first.scene and second.scene else None
+    return Recombined(motion, true, false, scene)
 
 
-def laid_over(carrier: Piece, gesture: Piece, rng: Generator) -> tuple[Motion, tuple[str, ...], tuple[str, ...]]:
+def laid_over(carrier: Piece, gesture: Piece, rng: Generator) -> Recombined:
     """The gesture's arms on the carrier's body, for as long as both last; nothing can be swapped."""
     frames = min(len(carrier.joints), len(gesture.joints))
     motion = Motion(with_arms(carrier.joints[:frames], gesture.joints[:frames]), FPS)
-    return motion, tuple(_say(carrier, gesture, _WHILE, rng) for _ in range(2)), ()
+    scene = None
+    if carrier.scene and gesture.scene and len(carrier.scene.steps) == len(gesture.scene.steps) == 1:
+        scene = Scene(((*carrier.scene.steps[0], *gesture.scene.steps[0]),))
+    return Recombined(motion, tuple(_say(carrier, gesture, _WHILE, rng) for _ in range(2)), (), scene)
 
 
 def with_arms(body: Array, other: Array) -> Array:
@@ -120,13 +141,13 @@ def made_gesture(rng: Generator) -> Piece:
     """A made movement of arms or head alone, and two sentences about it."""
     gestures = [p for p in programs().values() if not p.parts & {"legs", "spine"} and entry_of(p.name) is not None]
     scene = settle(Scene(((sample_step(gestures[int(rng.integers(len(gestures)))], rng),),)), rng)
-    return Piece(make_clip(scene, rng).joints, tuple(describe(scene, rng).text.strip(" .") for _ in range(2)))
+    return Piece(make_clip(scene, rng).joints, tuple(describe(scene, rng).text.strip(" .") for _ in range(2)), scene)
 
 
 def recombined(
     takes: Iterable[CaptionedTake], count: int, rng: Generator, *, over: float = 0.4
-) -> Iterator[tuple[Motion, tuple[str, ...], tuple[str, ...]]]:
-    """`count` new motions, with sentences that are true of them and sentences that are not.
+) -> Iterator[Recombined]:
+    """`count` new motions with their sentences.
 
     A share of `over` are gestures laid over a way to go that says nothing of arms, the others are joined pairs. None
     come of takes that have fewer than two captioned pieces.

@@ -14,7 +14,8 @@ from functools import lru_cache
 from numpy.random import Generator
 
 from encoders.corpus.facts import facts
-from encoders.corpus.language import describe, parse
+from encoders.corpus.language import parse
+from encoders.corpus.made import told
 from encoders.corpus.programs import program_of
 from encoders.corpus.scene import Scene, Step
 
@@ -35,35 +36,39 @@ class Retold:
     facts : what its captions say that it shows
     meanings : for each caption, and then for each of `captions`, the facts it states; of a caption that was not
         understood itself, the actions that the others name
-    captions : the same in other words
+    captions, swapped : the same in other words; for each a sentence that looks alike but is false, or empty
     """
 
     facts: frozenset[str]
     meanings: tuple[frozenset[str], ...]
     captions: tuple[str, ...]
+    swapped: tuple[str, ...]
 
 
-def retell(captions: Sequence[str], rng: Generator, *, count: int = 3) -> Retold | None:
-    """What is said of one clip, and `count` more ways to say it; None where no caption is understood."""
-    scenes = [_scene(caption) for caption in captions]
-    known = [scene for scene in scenes if scene is not None]
+def retell(captions: Sequence[str], rng: Generator, *, scene: Scene | None = None, count: int = 3) -> Retold | None:
+    """What is said of one clip, and `count` more ways to say it; None where no caption is understood.
+
+    `scene` is what the captions say where that is known without reading them.
+    """
+    scenes = [understood(caption) for caption in captions]
+    known = [scene] if scene else [read for read in scenes if read is not None]
     if not known:
         return None
     shown = frozenset().union(*(facts(_ahead(scene)) for scene in known))
     actions = frozenset(fact for fact in shown if not set(fact) & set(".<+"))
-    said = [describe(known[int(rng.integers(len(known)))], rng) for _ in range(count)]
-    meanings = [actions if scene is None else facts(scene) for scene in scenes]
-    return Retold(shown, (*meanings, *(facts(s.scene) for s in said)), tuple(s.text for s in said))
+    said, stated, false = zip(*(told(known[int(rng.integers(len(known)))], rng) for _ in range(count)), strict=True)
+    meanings = [actions if read is None else facts(read) for read in scenes]
+    return Retold(shown, (*meanings, *stated), said, false)
 
 
 @lru_cache(maxsize=10_000)
-def _scene(caption: str) -> Scene | None:
+def understood(caption: str) -> Scene | None:
     """The scene of a caption, else of what comes before a mere manner, as "a person runs" of "... with bent arms"."""
     manners = [m for m in _MANNER.finditer(caption) if not _ACTS.search(caption, m.start())]
-    told = [caption, *(caption[: m.start()] for m in reversed(manners))]
+    words = [caption, *(caption[: m.start()] for m in reversed(manners))]
     if not _ACTS.search(caption):
-        told += caption.split("/")[:1]
-    return next((scene for words in told if (scene := parse(words)) is not None), None)
+        words += caption.split("/")[:1]
+    return next((scene for part in words if (scene := parse(part)) is not None), None)
 
 
 def _ahead(scene: Scene) -> Scene:

@@ -18,6 +18,7 @@ from encoders.corpus.made import made_clips
 from encoders.corpus.real import CaptionedTake, real_clips
 from encoders.corpus.recombined import recombined
 from encoders.corpus.retold import retell
+from encoders.corpus.scene import Scene
 from encoders.corpus.seeds import TRAINING
 from encoders.corpus.unrelated import unrelated_sentence
 from encoders.kinds import FEATURE_KINDS, FeatureKind
@@ -72,22 +73,22 @@ def real_store(
 ) -> PairStore:
     """Pairs of captioned takes, and so many new ones put together from their pieces."""
     takes = list(takes)
-    own = (Pair(x, captions) for take in takes for x, captions in real_clips(take, kind, varied=varied))
+    own = ((Pair(x, captions), None) for take in takes for x, captions in real_clips(take, kind, varied=varied))
     new = (
-        Pair(kind.compute(motion), true, swapped=false)
-        for motion, true, false in recombined(takes, recombine, np.random.default_rng(TRAINING))
+        (Pair(kind.compute(x.motion), x.captions, swapped=x.swapped), x.scene)
+        for x in recombined(takes, recombine, np.random.default_rng(TRAINING))
     )
     rng = np.random.default_rng(TRAINING)
-    allowed = (kept for pair in chain(own, new) if (kept := _without(pair, held_out)).captions)
-    return PairStore(_without(_retold(pair, rng), held_out) if varied else pair for pair in allowed)
+    allowed = ((kept, scene) for pair, scene in chain(own, new) if (kept := _without(pair, held_out)).captions)
+    return PairStore(_without(_retold(pair, scene, rng), held_out) if varied else pair for pair, scene in allowed)
 
 
-def _retold(pair: Pair, rng: np.random.Generator) -> Pair:
+def _retold(pair: Pair, scene: Scene | None, rng: np.random.Generator) -> Pair:
     """The pair with what its captions say as facts, and in other words, too, where one is understood."""
-    retold = retell(pair.captions, rng)
+    retold = retell(pair.captions, rng, scene=scene)
     if retold is None:
         return pair
-    twins = (*(pair.swapped or ("",) * len(pair.captions)), *("",) * len(retold.captions))
+    twins = (*(pair.swapped or ("",) * len(pair.captions)), *retold.swapped)
     return Pair(pair.features, (*pair.captions, *retold.captions), retold.meanings, retold.facts, twins)
 
 

@@ -8,6 +8,7 @@ import pytest
 from encoders.corpus.body import OFFSETS
 from encoders.corpus.real import CaptionedSpan, CaptionedTake
 from encoders.corpus.recombined import Piece, joined_pair, laid_over, pieces, recombined, with_arms
+from encoders.corpus.scene import Scene, Step
 from encoders.motion import Motion
 from encoders.skeleton import INDEX, PARENTS
 
@@ -57,15 +58,15 @@ def test_pieces_are_captioned_parts_of_one_to_seven_seconds_said_in_few_words() 
 
 def test_a_joined_pair_lasts_as_long_as_both_and_is_told_in_order() -> None:
     first, second = Piece(walking(40), ("a man walks",)), Piece(arms_up(30), ("the person raises both arms",))
-    motion, true, false = joined_pair(first, second, np.random.default_rng(0))
-    assert len(motion.joints) == 70
-    assert all(said.index("walk") < said.index("rais") for said in true)
-    assert all(said.index("rais") < said.index("walk") for said in false)
+    joined = joined_pair(first, second, np.random.default_rng(0))
+    assert len(joined.motion.joints) == 70
+    assert all(said.index("walk") < said.index("rais") for said in joined.captions)
+    assert all(said.index("rais") < said.index("walk") for said in joined.swapped)
 
 
 def test_the_second_subject_is_not_said_again() -> None:
     pair = Piece(walking(40), ("a man walks",)), Piece(arms_up(30), ("the person is raising both arms",))
-    said = {text for seed in range(20) for text in joined_pair(*pair, np.random.default_rng(seed))[1]}
+    said = {text for seed in range(20) for text in joined_pair(*pair, np.random.default_rng(seed)).captions}
     assert "a man walks before raising both arms" in said
     assert not any("person" in text for text in said)
 
@@ -90,12 +91,20 @@ def test_bones_of_the_arms_keep_the_carriers_lengths() -> None:
 
 
 def test_what_is_laid_over_lasts_while_both_do_and_says_both() -> None:
-    motion, true, false = laid_over(
+    laid = laid_over(
         Piece(walking(60), ("walks forward",)), Piece(arms_up(40), ("raises both arms",)), np.random.default_rng(1)
     )
-    assert len(motion.joints) == 40
-    assert all("walk" in said and "rais" in said for said in true)
-    assert not false
+    assert len(laid.motion.joints) == 40
+    assert all("walk" in said and "rais" in said for said in laid.captions)
+    assert not laid.swapped
+
+
+def test_the_scene_of_what_is_put_together_is_known_where_both_are_understood() -> None:
+    walk, up, odd = (Piece.said(walking(40), (said,)) for said in ("a man walks", "raises both arms", "gnarls"))
+    rng = np.random.default_rng(0)
+    assert joined_pair(walk, up, rng).scene == Scene(((Step("walk"),), (Step("raise arm", side="both"),)))
+    assert laid_over(walk, up, rng).scene == Scene(((Step("walk"), Step("raise arm", side="both")),))
+    assert joined_pair(walk, odd, rng).scene is laid_over(odd, up, rng).scene is None
 
 
 def test_as_many_as_asked_and_the_same_again_from_the_same_chance() -> None:
@@ -103,9 +112,9 @@ def test_as_many_as_asked_and_the_same_again_from_the_same_chance() -> None:
     take = CaptionedTake("a.bvh", "1", Motion(walking(200)), "", spans)
     runs = [list(recombined([take], 6, np.random.default_rng(3))) for _ in range(2)]
     assert len(runs[0]) == 6
-    for (a, said_a, _), (b, said_b, _) in zip(*runs, strict=True):
-        assert said_a == said_b
-        assert np.array_equal(a.joints, b.joints)
+    for a, b in zip(*runs, strict=True):
+        assert a.captions == b.captions
+        assert np.array_equal(a.motion.joints, b.motion.joints)
 
 
 def test_nothing_comes_of_one_piece() -> None:

@@ -24,6 +24,12 @@ def test_who_goes_without_a_word_of_direction_goes_ahead_but_no_sentence_says_so
     assert set(told.meanings) == {frozenset({"walk"})}
 
 
+def test_what_looks_alike_but_is_false_comes_with_it() -> None:
+    told = retell(["a person walks to the left"], np.random.default_rng(0), count=8)
+    assert told is not None
+    assert any("right" in text and "left" not in text for text in told.swapped)
+
+
 def test_what_several_people_said_is_all_known_to_be_shown() -> None:
     told = retell(["a person walks forward", "a man walks quickly"], np.random.default_rng(0))
     assert told is not None
