@@ -25,12 +25,10 @@ def _plain(gait: Gait, speed: Range, cadence: Range) -> Make:
     """
 
     def make(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
-        own = _own(gait, speed, cadence, rng)
+        own = _slowed(_own(gait, speed, cadence, rng), rng)
         if own.duty < 0.5:
             least = -0.15 if own.gains else -0.35
             manner = replace(manner, pace=max(manner.pace, least), stride=max(manner.stride, least))
-        if not own.gains:
-            own = _slowed(own, rng)
         return go(step, own, manner, rng, frames)
 
     return make
@@ -69,8 +67,8 @@ def _own(gait: Gait, speed: Range, cadence: Range, rng: Generator) -> Gait:
 
 
 def _slowed(own: Gait, rng: Generator) -> Gait:
-    """Some run on the spot almost, bouncing, or heavily: slow for what they do, however it is called."""
-    if own.duty > 0.5 or rng.random() > 0.15:
+    """Some run on the spot almost, bouncing, or heavily: slow, however it is called; nobody sprints so."""
+    if own.duty > 0.5 or own.gains or rng.random() > 0.15:
         return own
     return replace(own, speed=own.speed * rng.uniform(0.45, 0.8), bob=own.bob * rng.uniform(1.2, 1.8))
 

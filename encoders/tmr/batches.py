@@ -117,13 +117,8 @@ class Batches:
             x = postured(x, rng, recipe.posture)
         x = (x - self.normaliser.mean) / self.normaliser.std
         limit = recipe.max_frames
-        facts = store.facts[index]
-        if (
-            rng.random() < recipe.crop
-            and store is self.made
-            and facts
-            and not any("<" in store.vocabulary[f] for f in facts)
-        ):
+        in_order = any("<" in store.vocabulary[f] for f in store.facts[index] or ())
+        if rng.random() < recipe.crop and store is self.made and not in_order:
             limit = min(limit, max(12, int(len(x) * rng.uniform(0.3, 1))))
         if len(x) > limit:
             start = int(rng.integers(len(x) - limit + 1))
