@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from encoders.bundle import Bundle
-from encoders.corpus.facts import facts, stated_by
+from encoders.corpus.facts import facts, hold
 from encoders.corpus.made import made_clips
 from encoders.corpus.real import real_clips
 from encoders.corpus.retold import retell
@@ -40,12 +40,7 @@ def main() -> None:
     stated = [meaning for _, retold in told for meaning in retold.meanings[-len(retold.captions) :]]
 
     made = list(made_clips(VALIDATION, args.count, kind))
-    vocabulary: dict[str, int] = {}
-    meanings, shown = (
-        [[vocabulary.setdefault(fact, len(vocabulary)) for fact in sorted(members)] for members in sets]
-        for sets in (stated, [facts(clip.scene) for clip in made])
-    )
-    true = stated_by(meanings, shown, len(vocabulary))
+    true = hold(stated, [facts(clip.scene) for clip in made])
 
     texts = bundle.encode_texts(sentences)
     real = bundle.encode_features([x[: bundle.max_frames] for x, _ in told])

@@ -122,3 +122,10 @@ def stated_by(meanings: Sequence[Iterable[int]], facts: Sequence[Iterable[int]],
     rows, columns = _rows(meanings, size), _rows(facts, size)
     missing = rows @ (1 - columns).T
     return np.asarray((missing == 0) & (rows.sum(axis=1) > 0)[:, None], np.bool_)
+
+
+def hold(meanings: Sequence[Iterable[str]], facts: Sequence[Iterable[str]]) -> NDArray[np.bool_]:
+    """`stated_by` of facts as they are written: boolean (meanings, motions)."""
+    index: dict[str, int] = {}
+    rows, columns = ([[index.setdefault(f, len(index)) for f in members] for members in s] for s in (meanings, facts))
+    return stated_by(rows, columns, len(index))

@@ -10,7 +10,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from encoders.corpus.compose import make_clip
-from encoders.corpus.facts import facts, stated_by
+from encoders.corpus.facts import facts, hold
 from encoders.corpus.language import describe, parse, random_gait, random_scene, swap
 from encoders.corpus.programs import program_of
 from encoders.corpus.scene import Scene, Step
@@ -41,10 +41,8 @@ class Made:
 
 def true_of(clips: Sequence[Made]) -> NDArray[np.bool_]:
     """Whether the first sentence of each clip (rows) is known to be true of each clip (columns); of its own it is."""
-    words: dict[str, int] = {}
-    stated = [[words.setdefault(f, len(words)) for f in clip.meanings[0]] for clip in clips]
-    holds = [[words.setdefault(f, len(words)) for f in facts(clip.scene)] for clip in clips]
-    return stated_by(stated, holds, len(words)) | np.eye(len(clips), dtype=bool)
+    shown = [facts(clip.scene) for clip in clips]
+    return hold([clip.meanings[0] for clip in clips], shown) | np.eye(len(clips), dtype=bool)
 
 
 def settle(scene: Scene, rng: Generator) -> Scene:
