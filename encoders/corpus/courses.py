@@ -114,7 +114,7 @@ def bearing(direction: str, way: Array, rng: Generator, *, faces: bool = False) 
 
 def _wandering(rng: Generator) -> float:
     """How far the way of somebody who goes straight bends, radians: hardly, but one in four has little room."""
-    return float(rng.normal(0.0, 0.1 if rng.random() < 0.75 else 0.3))
+    return float(np.clip(rng.normal(0.0, 0.1 if rng.random() < 0.75 else 0.3), -0.4, 0.4))
 
 
 def askew(rng: Generator) -> float:

@@ -210,7 +210,7 @@ def test_sidesteps_keep_facing_ahead(direction: str, sign: int) -> None:
         turned.append(np.abs(curves.heading).max())
         assert sign * (curves.root[-1, 0] - curves.root[0, 0]) > 0.3
     assert np.median(turned) < 0.2, "most keep facing ahead"
-    assert max(turned) < 0.5, "few bend their way by what little room there is"
+    assert max(turned) < 0.41, "a straight way bends by at most 0.4"
 
 
 @pytest.mark.parametrize("count", [1, 3, 6])
