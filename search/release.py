@@ -76,8 +76,8 @@ def release(
     return export(calibrate(export(None), clips[:_BACKGROUND], clips[_BACKGROUND:], unrelated, takes))
 
 
-def mean_weights(runs: Sequence[Path]) -> tuple[Recipe, dict[str, torch.Tensor], int]:
-    """The encoders of runs that went on from the same one, averaged: the last one's recipe, weights and steps.
+def mean_weights(runs: Sequence[Path]) -> tuple[Recipe, dict[str, torch.Tensor], list[int]]:
+    """The encoders of runs that went on from the same one, averaged: the last one's recipe, weights, each one's steps.
 
     Such a mean finds more than any of them and costs no more than one (Wortsman et al., "Model soups", ICML 2022).
 
@@ -97,7 +97,7 @@ def mean_weights(runs: Sequence[Path]) -> tuple[Recipe, dict[str, torch.Tensor],
             raise MotionSeekError(f"{run}: has other sizes or another normaliser than {runs[0]}; release it by itself")
     names = TMR(recipes[-1].network).state_dict()
     weights = {name: torch.stack([one["average"][name] for one in saved]).mean(dim=0) for name in names}
-    return recipes[-1], weights, saved[-1]["step"]
+    return recipes[-1], weights, [one["step"] for one in saved]
 
 
 def calibration_clips(kind: str) -> Sequence[Made]:

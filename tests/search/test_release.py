@@ -22,21 +22,21 @@ SMALL = {"width": 8, "layers": 1, "heads": 2, "feedforward": 8}
 NETWORK = Config(Tower(6, **SMALL), Tower(4, **SMALL), decoder=None, latent=4)
 
 
-def finished(folder: Path, value: float, network: Config = NETWORK, deviation: float = 1.0) -> Path:
-    """A run that ended at step 7 with every weight at `value`."""
+def finished(folder: Path, value: float, network: Config = NETWORK, deviation: float = 1.0, step: int = 7) -> Path:
+    """A run that ended at a step with every weight at `value`."""
     folder.mkdir()
     (folder / "recipe.json").write_text(json.dumps(Recipe(network=network).to_dict()), "utf-8")
     weights = {name: torch.full_like(tensor, value) for name, tensor in TMR(network).state_dict().items()}
-    torch.save({"average": weights, "step": 7}, folder / "last.pt")
+    torch.save({"average": weights, "step": step}, folder / "last.pt")
     np.savez(folder / "normaliser.npz", mean=np.zeros(6, np.float32), std=np.full(6, deviation, np.float32))
     return folder
 
 
 def test_the_weights_of_several_runs_are_averaged_and_decoders_left_behind(tmp_path: Path) -> None:
     decoding = replace(NETWORK, decoder=Tower(6, **SMALL))
-    runs = [finished(tmp_path / "a", 1.0, decoding), finished(tmp_path / "b", 4.0)]
+    runs = [finished(tmp_path / "a", 1.0, decoding), finished(tmp_path / "b", 4.0, step=5)]
     recipe, weights, steps = mean_weights(runs)
-    assert (recipe.network, steps) == (NETWORK, 7)
+    assert (recipe.network, steps) == (NETWORK, [7, 5])
     assert set(weights) == set(TMR(NETWORK).state_dict())
     assert all(torch.all(tensor == 2.5) for tensor in weights.values())
 
