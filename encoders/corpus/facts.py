@@ -65,10 +65,10 @@ def _named(action: str, step: Step) -> set[str]:
 
 
 class Untold:
-    """Which sentences keep quiet about what anybody would tell of a motion: that it goes aside, or is a special kind.
+    """Which sentences keep quiet about what anybody would tell: that a motion goes aside, takes both hands, is special.
 
-    "A person walks" is true of somebody who walks backwards, but said of somebody who does not: what is called plainly
-    is to be found before what is not.
+    "A person walks" is true of somebody who walks backwards, but said of somebody who does not, and "a person waves" of
+    somebody who waves both hands: what is called plainly is to be found before what is not.
     """
 
     def __init__(self, vocabulary: Sequence[str]) -> None:
@@ -78,19 +78,24 @@ class Untold:
         particulars = [fact.partition(".")[2] for fact in vocabulary]
         self._particular = np.array([p not in ("", _AHEAD) for p in particulars], np.bool_)
         self._way = np.array([p.startswith("direction=") for p in particulars], np.bool_)
+        self._side = np.array([p.startswith("side=") for p in particulars], np.bool_)
+        self._both = np.array([p == "side=both" for p in particulars], np.bool_)
         self._named = np.array([not p for p in particulars], np.bool_)
         self._actions = len(actions)
 
     def __call__(self, meanings: Sequence[Sequence[int]], facts: Sequence[Sequence[int]]) -> NDArray[np.bool_]:
         """Boolean (meanings, motions); facts are indices into the vocabulary."""
         named = self._of_actions(meanings, self._action, self._named)
-        no_way = named & ~self._of_actions(meanings, self._action, self._way)
         kind = self._general >= 0
         plain = named & ~self._of_actions(meanings, self._action, self._particular)
         plain &= ~self._of_actions(meanings, self._general, kind)
+        no_way = named & ~self._of_actions(meanings, self._action, self._way)
+        no_side = named & ~self._of_actions(meanings, self._action, self._side)
+        quiet = np.hstack([no_way, no_side, plain])
         elsewhere = self._of_actions(facts, self._action, self._way & self._particular)
-        special = self._of_actions(facts, self._general, kind)
-        return np.asarray(no_way.astype(np.float32) @ elsewhere.T + plain.astype(np.float32) @ special.T > 0, np.bool_)
+        both, special = self._of_actions(facts, self._action, self._both), self._of_actions(facts, self._general, kind)
+        shown = np.hstack([elsewhere, both, special])
+        return np.asarray(quiet.astype(np.float32) @ shown.astype(np.float32).T > 0, np.bool_)
 
     def _of_actions(
         self, sets: Sequence[Sequence[int]], action: NDArray[np.int64], which: NDArray[np.bool_]

@@ -38,7 +38,7 @@ class Recipe:
     real_share : share of each batch taken from real clips
     temperature : of the contrastive term; learned from this start where `learn_temperature`
     filter : "facts" leaves out pairs known to be no negatives, "none" leaves out nothing
-    typical : a sentence that keeps quiet about a direction or a special kind stays a negative for what has it
+    typical : a sentence that keeps quiet about a direction, both hands or a special kind stays a negative for it
     similarity : sentences nearer than this on the (1 + cosine) / 2 scale are no negatives where a real clip is involved
     contrast : "infonce", "margin" (a ranking loss with a random negative) or "none"
     hard_negatives, unrelated : captions a batch that are negatives for their own clip, or for every clip

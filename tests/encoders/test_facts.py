@@ -78,6 +78,10 @@ def test_a_meaning_holds_where_all_its_facts_are_and_no_facts_mean_nothing_is_kn
         (one("run", speed="fast"), one("sprint"), False),
         (one("walk", style="drunk"), one("sneak", style="drunk"), False),
         (one("wave"), sequence("sneak", "wave"), False),
+        (one("wave"), one("wave", side="both"), True),
+        (one("wave"), one("wave", side="right"), False),
+        (one("wave", speed="slow"), one("wave", side="both", speed="slow"), True),
+        (one("wave", side="both"), one("wave", side="both"), False),
         (one("walk", direction="backward"), one("walk", direction="backward"), False),
     ],
 )
