@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 from encoders.corpus import made
 from encoders.corpus.facts import facts
 from encoders.corpus.language import HeldOut, parse
-from encoders.corpus.made import Made, made_clips, settle, true_of
+from encoders.corpus.made import Made, made_clips, settle, told, true_of
 from encoders.corpus.programs import programs
 from encoders.corpus.scene import Clip, Scene, Step
 from encoders.kinds import FEATURE_KINDS, FeatureKind
@@ -114,3 +116,11 @@ def test_a_sentence_is_true_of_its_clip_and_of_those_that_show_the_same() -> Non
         [False, True, False],
         [True, False, True],
     ]
+
+
+def test_some_captions_leave_open_which_hand_it_is_and_count_for_either() -> None:
+    rng = np.random.default_rng(0)
+    said = [told(Scene(((Step("wave", side="right"),),)), rng)[:2] for _ in range(200)]
+    quiet = [text for text, stated in said if "wave.side=right" not in stated]
+    assert 40 < len(quiet) < 120
+    assert not any(re.search(r"\b(left|right|both)\b", text.lower()) for text in quiet)
