@@ -15,11 +15,10 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from encoders.corpus.compose import make_clip
-from encoders.corpus.language import describe
 from encoders.corpus.language.lexicon import entry_of
 from encoders.corpus.language.normal import drop_auxiliaries, drop_subject, normalise
 from encoders.corpus.language.verbs import lemmas
-from encoders.corpus.made import settle
+from encoders.corpus.made import settle, told
 from encoders.corpus.programs import programs, sample_step
 from encoders.corpus.real import CaptionedTake, mirror_words
 from encoders.corpus.retold import understood
@@ -141,7 +140,7 @@ def made_gesture(rng: Generator) -> Piece:
     """A made movement of arms or head alone, and two sentences about it."""
     gestures = [p for p in programs().values() if not p.parts & {"legs", "spine"} and entry_of(p.name) is not None]
     scene = settle(Scene(((sample_step(gestures[int(rng.integers(len(gestures)))], rng),),)), rng)
-    return Piece(make_clip(scene, rng).joints, tuple(describe(scene, rng).text.strip(" .") for _ in range(2)), scene)
+    return Piece(make_clip(scene, rng).joints, tuple(told(scene, rng)[0].strip(" .") for _ in range(2)), scene)
 
 
 def recombined(

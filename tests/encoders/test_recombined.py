@@ -7,7 +7,7 @@ import pytest
 
 from encoders.corpus.body import OFFSETS
 from encoders.corpus.real import CaptionedSpan, CaptionedTake
-from encoders.corpus.recombined import Piece, joined_pair, laid_over, pieces, recombined, with_arms
+from encoders.corpus.recombined import Piece, joined_pair, laid_over, made_gesture, pieces, recombined, with_arms
 from encoders.corpus.scene import Scene, Step
 from encoders.motion import Motion
 from encoders.skeleton import INDEX, PARENTS
@@ -97,6 +97,13 @@ def test_what_is_laid_over_lasts_while_both_do_and_says_both() -> None:
     assert len(laid.motion.joints) == 40
     assert all("walk" in said and "rais" in said for said in laid.captions)
     assert not laid.swapped
+
+
+def test_a_made_gesture_of_one_hand_does_not_always_say_which() -> None:
+    made = [made_gesture(np.random.default_rng(seed)) for seed in range(60)]
+    said = {text for piece in made for text in piece.captions if "one hand" in text or "one arm" in text}
+    assert said
+    assert not any(side in text for text in said for side in ("left", "right"))
 
 
 def test_the_scene_of_what_is_put_together_is_known_where_both_are_understood() -> None:
