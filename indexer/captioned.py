@@ -30,13 +30,9 @@ def captioned_takes(folder: Path, captions: Path, split: str) -> Iterator[Captio
     try:
         with (folder / "manifest.tsv").open(encoding="utf-8", newline="") as table:
             rows = [r for r in csv.DictReader(table, delimiter="\t") if r["split"] == split and r["use"] == split]
-        lines = [json.loads(line) for line in captions.read_text(encoding="utf-8").splitlines() if line.strip()]
-        said: dict[str, list[CaptionedSpan]] = {}
-        for line in lines:
-            if line["split"] == split:
-                said.setdefault(line["trial"], []).extend(_spans(line))
     except (OSError, KeyError, TypeError, ValueError) as error:
-        raise QueryError(f"{folder}: no captioned takes ({error!r}); see docs/training.md for what they are") from error
+        raise QueryError(f"{folder / 'manifest.tsv'}: no table of takes ({error!r}); see docs/training.md") from error
+    said = _said(captions, split)
     for row in rows:
         rate = row["fps_true"] or row["fps_in_file"]
         path = folder / row["path"]
@@ -48,6 +44,21 @@ def captioned_takes(folder: Path, captions: Path, split: str) -> Iterator[Captio
         if row["kind"] != "take":
             spans = ()
         yield CaptionedTake(row["path"], row["trial"], motion, row["description"], spans)
+
+
+def _said(captions: Path, split: str) -> dict[str, list[CaptionedSpan]]:
+    """The captioned spans of each trial of a split."""
+    said: dict[str, list[CaptionedSpan]] = {}
+    try:
+        lines = [json.loads(line) for line in captions.read_text(encoding="utf-8").splitlines() if line.strip()]
+        for line in lines:
+            if line["split"] == split:
+                said.setdefault(line["trial"], []).extend(_spans(line))
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise QueryError(f"{captions}: no captions as JSON lines ({error!r}); see docs/training.md") from error
+    if not lines:
+        raise QueryError(f"{captions}: holds no captions; see docs/training.md")
+    return said
 
 
 def _spans(line: dict[str, Any]) -> list[CaptionedSpan]:

@@ -7,7 +7,7 @@ and a share of real clips in every batch.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 from encoders.kinds import FEATURE_KINDS
@@ -95,6 +95,10 @@ class Recipe:
         for name, choices in _CHOICES.items():
             if getattr(self, name) not in choices:
                 raise ValueError(f"{name}={getattr(self, name)!r} must be one of {', '.join(choices)}")
+        for known in fields(self):
+            _check_number(known.name, getattr(self, known.name), known.default)
+        if self.batch < 1:
+            raise ValueError(f"batch={self.batch} must be positive")
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, as JSON takes them."""
@@ -107,3 +111,13 @@ class Recipe:
         values["network"] = Config.from_dict(values["network"])
         values["weights"] = Weights(**values["weights"])
         return cls(**values)
+
+
+def _check_number(name: str, value: Any, default: Any) -> None:
+    """Raise ValueError where a number of the default's kind is due, and it is none, or below zero."""
+    if type(default) not in (bool, int, float):
+        return
+    allowed = (int, float) if type(default) is float else (type(default),)
+    if type(value) not in allowed or not value >= 0:
+        kind = {bool: "true or false", int: "a whole number from 0", float: "a number from 0"}[type(default)]
+        raise ValueError(f"{name}={value!r} must be {kind}")

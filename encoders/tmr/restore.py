@@ -16,7 +16,7 @@ from onnx import numpy_helper
 from torch import nn
 
 from encoders.errors import BundleError
-from encoders.manifest import MOTION, TEXT
+from encoders.manifest import MOTION, TEXT, read_manifest
 from encoders.tmr.network import TMR, Attention, Config, Encoder, EncoderLayer
 from encoders.tmr.normaliser import Normaliser
 
@@ -31,8 +31,10 @@ def restore(folder: Path, config: Config) -> tuple[TMR, Normaliser]:
     Raises
     ------
     BundleError
-        If a graph is missing, was not written by `encoders.tmr.graph`, or holds networks of other sizes than `config`.
+        If the bundle is missing or damaged, or a graph was not written by `encoders.tmr.graph`, or holds networks of
+        other sizes than `config`.
     """
+    read_manifest(folder)
     model = TMR(config)
     try:
         motion, text = (_Weights(onnx.load(folder / name)) for name in (MOTION, TEXT))

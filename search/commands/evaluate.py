@@ -29,7 +29,7 @@ _COMPOSED = "made takes"
 @click.option("--split", default="val", show_default=True, help="Split of the captioned takes to ask about.")
 @click.option("--labelled", type=_FILE, help="Folder with labels.tsv and queries.tsv, for moments in joined clips.")
 @click.option("--segments", type=_FILE, help='JSON, {trial: [{"start", "end", "label"}]}: what people marked in takes.')
-@click.option("--count", type=click.IntRange(1), help="Made clips in the gallery (4000), or made takes (300).")
+@click.option("--count", type=click.IntRange(1), help="Made clips (4000; 300 for nonsense), or made takes (300).")
 @click.option("--bundle", "place", type=click.Path(exists=True, file_okay=False), help="Another model's folder.")
 @options.as_json
 def evaluate(
@@ -75,7 +75,7 @@ def evaluate(
     elif protocol == "moments":
         _moments(count or 300, folder, captions, split, labelled, segments, bundle, as_json)
     else:
-        _show({"out of domain": _nonsense(bundle)}, as_json)
+        _show({"out of domain": _nonsense(count or 300, bundle)}, as_json)
 
 
 def _needed(folder: Path | None, protocol: str) -> Path:
@@ -170,13 +170,13 @@ def _every_tenth(takes: int) -> None:
         terminal.note(f"{takes} takes asked")
 
 
-def _nonsense(bundle: Bundle) -> dict[str, float]:
+def _nonsense(count: int, bundle: Bundle) -> dict[str, float]:
     from encoders.corpus.made import made_clips
     from encoders.corpus.seeds import TEST
     from encoders.kinds import FEATURE_KINDS
     from search.evaluate.nonsense import evaluate_nonsense
 
-    clips = made_clips(TEST, 300, FEATURE_KINDS[bundle.feature_kind])
+    clips = made_clips(TEST, count, FEATURE_KINDS[bundle.feature_kind])
     return evaluate_nonsense(bundle, bundle.encode_features([clip.features for clip in clips]))
 
 

@@ -82,8 +82,7 @@ def train(
     from encoders.tmr.run import prepare
     from encoders.tmr.run import train as train_in
 
-    if (real is None) != (captions is None):
-        raise click.UsageError("--real and --captions belong together")
+    _need_both(real, captions)
     chosen = read_recipe(recipe, steps)
     kind = FEATURE_KINDS["body"]
     start, normaliser = begin(origins, chosen) if origins else (None, None)
@@ -116,6 +115,11 @@ def begin(origins: Sequence[Path], recipe: Recipe) -> tuple[TMR, Normaliser]:
     model = TMR(recipe.network)
     model.load_state_dict(weights, strict=recipe.network.decoder is None)
     return model, Normaliser.load(origins[0])
+
+
+def _need_both(real: Path | None, captions: Path | None) -> None:
+    if (real is None) != (captions is None):
+        raise click.UsageError("--real and --captions belong together")
 
 
 def need_runs(folders: Sequence[Path]) -> None:
@@ -191,6 +195,7 @@ def release(
     from indexer.captioned import captioned_takes
     from search.release import release as release_run
 
+    _need_both(real, captions)
     need_runs(runs)
     training = options.read_object(notes) if notes else None
     takes = list(captioned_takes(real, captions, "val")) if real and captions else []
@@ -225,6 +230,7 @@ def card(
     from encoders.bundle import Bundle
     from search.evaluate.card import card as measured
 
+    _need_both(real, captions)
     if out.exists() and not force:
         raise click.ClickException(f"{out} exists; overwrite it with --force")
     out.write_text(measured(Bundle.load(place), real=real, captions=captions, labelled=labelled, count=count), "utf-8")

@@ -89,5 +89,13 @@ def test_networks_of_other_sizes_are_refused(tmp_path: Path) -> None:
     for tower in (replace(CONFIG.text, layers=3), replace(CONFIG.text, feedforward=66)):
         with pytest.raises(BundleError, match="of these sizes"):
             restore(tmp_path / "bundle", replace(CONFIG, text=tower))
-    with pytest.raises(BundleError, match="of these sizes"):
+
+
+def test_a_missing_or_damaged_bundle_is_refused(tmp_path: Path) -> None:
+    exported(tmp_path / "bundle", "int8")
+    with (tmp_path / "bundle" / "motion.onnx").open("ab") as graph:
+        graph.write(b"x")
+    with pytest.raises(BundleError, match="damaged"):
+        restore(tmp_path / "bundle", CONFIG)
+    with pytest.raises(BundleError, match="no model bundle here"):
         restore(tmp_path / "nowhere", CONFIG)

@@ -87,14 +87,14 @@ def test_the_true_frame_rate_is_used(folder: Path, asked: dict[str, float | None
     assert asked == {"walk.bvh": 120.0, "other_rig.bvh": None, "sit.bvh": 30.0, "clip.bvh": None}
 
 
-@pytest.mark.parametrize("damage", ["missing", "no json", "no split", "no columns"])
-def test_what_cannot_be_read_is_one_error(folder: Path, asked: dict[str, float | None], damage: str) -> None:
+@pytest.mark.parametrize("damage", ["missing", "empty", "no json", "no split", "no columns"])
+def test_what_cannot_be_read_is_named_in_one_error(folder: Path, asked: dict[str, float | None], damage: str) -> None:
     lines = folder / "captions.jsonl"
     if damage == "missing":
         lines.unlink()
     elif damage == "no columns":
         (folder / "manifest.tsv").write_text("path\nwalk.bvh\n", encoding="utf-8")
     else:
-        lines.write_text("{" if damage == "no json" else '{"trial": "1"}', encoding="utf-8")
-    with pytest.raises(QueryError, match="no captioned takes"):
+        lines.write_text({"empty": "", "no json": "{", "no split": '{"trial": "1"}'}[damage], encoding="utf-8")
+    with pytest.raises(QueryError, match="manifest.tsv: " if damage == "no columns" else "captions.jsonl: "):
         takes(folder, "train")

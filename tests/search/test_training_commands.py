@@ -69,6 +69,11 @@ def test_without_torch_the_extra_is_named(
         ('{"stpes": 3}', "has no stpes"),
         ('{"contrast": "infonec"}', "must be one of"),
         ('{"network": {"latent": 3}}', "no recipe"),
+        ('{"rate": "x"}', "rate='x' must be a number from 0"),
+        ('{"rate": -1}', "rate=-1 must be a number from 0"),
+        ('{"seed": 1.5}', "seed=1.5 must be a whole number from 0"),
+        ('{"bf16": 1}', "bf16=1 must be true or false"),
+        ('{"batch": 0}', "batch=0 must be positive"),
     ],
 )
 def test_a_wrong_recipe_is_refused_before_anything_is_made(run: Run, tmp_path: Path, recipe: str, said: str) -> None:
@@ -80,6 +85,15 @@ def test_a_wrong_recipe_is_refused_before_anything_is_made(run: Run, tmp_path: P
     assert ran.err.count("\n") == 1
     assert said in ran.err
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("alone", ["--real", "--captions"])
+def test_real_takes_and_what_people_wrote_of_them_belong_together(run: Run, tmp_path: Path, alone: str) -> None:
+    (tmp_path / "captions.jsonl").touch()
+    ran = run("model", "card", tmp_path / "x.md", alone, tmp_path / ("" if alone == "--real" else "captions.jsonl"))
+    assert (ran.code, ran.out) == (2, "")
+    assert "belong together" in ran.err
+    assert not (tmp_path / "x.md").exists()
 
 
 @pytest.mark.torch
