@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from os import PathLike
 
-from encoders.bundle import Bundle
+from encoders.bundle.bundle import Bundle
 from encoders.errors import (
     BundleError,
     BundleMismatch,
@@ -22,10 +22,10 @@ from encoders.errors import (
     UnreadableMotion,
 )
 from encoders.motion import Motion
-from indexer import load_motion as load
-from indexer.ingest import Summary, index
-from search.engine import SearchableLibrary as Library
+from indexer.ingest.indexing import Summary, index
+from indexer.ingest.load import load_motion as load
 from search.hits import Hit, Step
+from search.library import SearchableLibrary as Library
 
 
 def open(folder: str | PathLike[str], *, bundle: Bundle | None = None) -> Library:

@@ -14,16 +14,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle import Bundle
+from encoders.bundle.bundle import Bundle
+from encoders.corpus.composition.real import real_clips
+from encoders.corpus.composition.seeds import VALIDATION
+from encoders.corpus.composition.synthetic import made_clips
 from encoders.corpus.language import describe, parse
-from encoders.corpus.made import made_clips
-from encoders.corpus.real import real_clips
-from encoders.corpus.seeds import VALIDATION
-from encoders.kinds import FEATURE_KINDS
+from encoders.features.registry import FEATURE_KINDS
 from encoders.metrics import ranks
-from indexer.captioned import captioned_takes
-from search.hubs import nearness
-from search.query import encode_queries
+from indexer.datasets.captioned_takes import captioned_takes
+from search.query.encoding import encode_queries
+from search.ranking.hubness import nearness
 
 Array = NDArray[np.float32]
 

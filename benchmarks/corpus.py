@@ -12,8 +12,8 @@ from collections import defaultdict
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.corpus.compose import make_clip
-from encoders.corpus.programs import programs, sample_step
+from encoders.corpus.actions.programs import programs, sample_step
+from encoders.corpus.composition.scene_clips import make_clip
 from encoders.corpus.scene import Clip, Scene
 from encoders.skeleton import INDEX
 

@@ -2,9 +2,9 @@
 
     python -m benchmarks.domains data/mocap captions.jsonl [--bundle FOLDER] [--count 1000]
 
-The takes of the split `val` of which a caption is understood (`encoders/corpus/retold.py`) are told in three sentences
-of the corpus. Each sentence ranks its take among made clips of which it is not true. A model that has learned to tell
-real from made motion finds them late, however well it finds real ones among real ones.
+The takes of the split `val` of which a caption is understood (`encoders/corpus/composition/real_captions.py`) are
+told in three sentences of the corpus. Each sentence ranks its take among made clips of which it is not true. A model
+that has learned to tell real from made motion finds them late, however well it finds real ones among real ones.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from pathlib import Path
 
 import numpy as np
 
-from encoders.bundle import Bundle
-from encoders.corpus.facts import facts, hold
-from encoders.corpus.made import made_clips
-from encoders.corpus.real import real_clips
-from encoders.corpus.retold import retell
-from encoders.corpus.seeds import VALIDATION
-from encoders.kinds import FEATURE_KINDS
-from indexer.captioned import captioned_takes
+from encoders.bundle.bundle import Bundle
+from encoders.corpus.composition.facts import facts, hold
+from encoders.corpus.composition.real import real_clips
+from encoders.corpus.composition.real_captions import retell
+from encoders.corpus.composition.seeds import VALIDATION
+from encoders.corpus.composition.synthetic import made_clips
+from encoders.features.registry import FEATURE_KINDS
+from indexer.datasets.captioned_takes import captioned_takes
 
 
 def main() -> None:

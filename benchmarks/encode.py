@@ -24,13 +24,13 @@ from tokenizers import Tokenizer
 from tokenizers.models import WordLevel
 from torch import Tensor, nn
 
-from encoders.batching import pad
-from encoders.bundle import Bundle
-from encoders.kinds import FEATURE_KINDS
-from encoders.tmr.export import export_bundle
-from encoders.tmr.language import LanguageConfig, LanguageModel, LanguageNetwork
-from encoders.tmr.network import TMR, Config, Encoder, Tower, group_frames, positions, valid_mask
-from encoders.tmr.recipe import default_network
+from encoders.bundle.batching import pad
+from encoders.bundle.bundle import Bundle
+from encoders.features.registry import FEATURE_KINDS
+from encoders.tmr.conversion.to_bundle import export_bundle
+from encoders.tmr.model.network import TMR, Config, Encoder, Tower, group_frames, positions, valid_mask
+from encoders.tmr.text.language_model import LanguageConfig, LanguageModel, LanguageNetwork
+from encoders.tmr.training.recipe import default_network
 
 Array = NDArray[np.float32]
 Encode = Callable[[Sequence[Array]], Array]

@@ -11,8 +11,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from encoders.body import body_features
-from encoders.features import joints_to_features
+from encoders.features.canonical import body_features
+from encoders.features.humanml3d import joints_to_features
 from encoders.skeleton import BONE_LENGTHS, PARENTS, RAW_OFFSETS
 
 CLIPS, FRAMES = 64, 100

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from encoders.corpus.actions.programs import programs
 from encoders.corpus.language import captions, random_scene
 from encoders.corpus.language.measure import (
     coverage,
@@ -24,7 +25,6 @@ from encoders.corpus.language.measure import (
     words_of,
     words_per_sentence,
 )
-from encoders.corpus.programs import programs
 
 
 def _arguments() -> argparse.Namespace:

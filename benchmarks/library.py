@@ -17,8 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
-from indexer import ingest, schema
-from indexer.library import FILE, Library
+from indexer.ingest import indexing
+from indexer.store import schema
+from indexer.store.stored_library import FILE, Library
 
 A_CLIP = 50  # windows
 
@@ -26,8 +27,8 @@ A_CLIP = 50  # windows
 def index(folder: Path, jobs: int | None) -> None:
     """Index a folder twice, the library elsewhere."""
     with tempfile.TemporaryDirectory() as place:
-        first = ingest.index(folder, library=place, jobs=jobs)
-        second = ingest.index(folder, library=place, jobs=jobs)
+        first = indexing.index(folder, library=place, jobs=jobs)
+        second = indexing.index(folder, library=place, jobs=jobs)
         with Library.open(place) as library:
             stats = library.stats()
     print(f"{first.indexed} clips, {stats['seconds'] / 3600:.2f} h of motion, {len(first.failed)} files failed")

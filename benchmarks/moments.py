@@ -20,17 +20,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle import Bundle
+from encoders.bundle.bundle import Bundle
+from encoders.bundle.windows import LENGTHS as STORED
+from encoders.bundle.windows import OVERLAP
 from encoders.motion import Motion
-from indexer import load_motion
-from indexer.vectors import FlatVectors, Found, Rows
-from indexer.windows import LENGTHS as STORED
-from indexer.windows import OVERLAP
-from search.dense import Scored, every, score_windows
-from search.evidence import best_spans
-from search.moments import Moment, localise, score_take
-from search.query import encode_queries
-from search.refine import CURVE_LENGTHS
+from indexer.ingest.load import load_motion
+from indexer.vectors.flat import FlatVectors, Found, Rows
+from search.moments.boundaries import CURVE_LENGTHS
+from search.moments.localisation import Moment, localise, score_take
+from search.moments.window_scores import Scored, every, score_windows
+from search.query.encoding import encode_queries
+from search.ranking.clip_scores import best_spans
 from search.spans import iou
 
 DEMO = Path(__file__).resolve().parent.parent / "search" / "demo_data"
@@ -49,8 +49,8 @@ def dense(seconds: float = 600.0, alone: int = 200) -> None:
     """Similarity over all of a 10-minute take, and the moments in it, against encoding every window alone in torch."""
     import torch
 
-    from encoders.tmr.network import TMR
-    from encoders.tmr.recipe import default_network
+    from encoders.tmr.model.network import TMR
+    from encoders.tmr.training.recipe import default_network
 
     torch.set_num_threads(1)
     bundle = Bundle.load(threads=1)
@@ -105,7 +105,7 @@ def memory(seconds: float = 7200.0) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "two hours.npy"
         np.save(path, long_take(seconds).joints)
-        code = "from search.cli import main; import sys; main(sys.argv[1:])"
+        code = "from search.cli.main import main; import sys; main(sys.argv[1:])"
         began = time.perf_counter()
         subprocess.run([sys.executable, "-c", code, "moments", "a person jumps", str(path), "-k", "3"], check=True)
         peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
@@ -135,7 +135,7 @@ class Simulated:
     def nearest_windows(
         self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None
     ) -> Found:
-        """See `indexer.library.Library.nearest_windows`."""
+        """See `indexer.store.stored_library.Library.nearest_windows`."""
         return self.index.search(queries, k, allowed=allowed)
 
 

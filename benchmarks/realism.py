@@ -18,12 +18,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.body import FPS, LAYOUT, POINTS
-from encoders.corpus.made import make
-from encoders.corpus.real import real_clips
+from encoders.corpus.composition.real import real_clips
+from encoders.corpus.composition.synthetic import make
 from encoders.corpus.scene import Scene, Step
-from encoders.kinds import FEATURE_KINDS
-from indexer.captioned import captioned_takes
+from encoders.features.canonical import FPS, LAYOUT, POINTS
+from encoders.features.registry import FEATURE_KINDS
+from indexer.datasets.captioned_takes import captioned_takes
 
 Array = NDArray[np.float32]
 

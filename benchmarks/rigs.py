@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from encoders.errors import UnreadableMotion
 from encoders.motion import Motion
 from encoders.skeleton import INDEX, JOINTS, PARENTS
-from indexer import load_motion
-from indexer.readers import READABLE
+from indexer.formats.table import READABLE
+from indexer.ingest.load import load_motion
 
 #: Frames at 20 fps by which two recordings of a trial may begin apart.
 MAX_SHIFT = 40

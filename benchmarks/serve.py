@@ -32,13 +32,13 @@ from urllib.parse import quote
 import numpy as np
 
 from benchmarks.simulated import all_sentences, asked, simulate
-from encoders import bundle as bundles
-from indexer.blocks import Block
-from indexer.gallery import CLIPS, WINDOWS, Galleries
-from indexer.library import FILE, Library
-from indexer.vectors import FlatVectors
-from search.engine import SearchableLibrary
-from search.query import encode_queries
+from encoders.bundle import bundle as bundles
+from indexer.store.stored_library import FILE, Library
+from indexer.vectors.blocks import Block
+from indexer.vectors.flat import FlatVectors
+from indexer.vectors.sync import CLIPS, WINDOWS, Galleries
+from search.library import SearchableLibrary
+from search.query.encoding import encode_queries
 
 _CONNECTIONS = 64
 
@@ -148,8 +148,9 @@ def recall(folder: Path, sentences: list[str]) -> dict[str, float]:
 
 def command(*arguments: object) -> subprocess.Popen[bytes]:
     """Run `motionseek` with this process's model."""
-    program = f"import encoders.bundle, pathlib; encoders.bundle.DEFAULT = pathlib.Path({str(bundles.DEFAULT)!r}); "
-    program += "from search.cli import main; main()"
+    program = "import pathlib; from encoders.bundle import bundle; "
+    program += f"bundle.DEFAULT = pathlib.Path({str(bundles.DEFAULT)!r}); "
+    program += "from search.cli.main import main; main()"
     return subprocess.Popen([sys.executable, "-c", program, *map(str, arguments)], stdout=subprocess.DEVNULL)
 
 

@@ -16,10 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-from encoders.bundle import Bundle
+from encoders.bundle.bundle import Bundle
 from encoders.errors import MotionSeekError
-from indexer import load_motion
-from search.likeness import LONGEST, LOOKED_AT, likeness
+from indexer.ingest.load import load_motion
+from search.ranking.alignment import LONGEST, LOOKED_AT, likeness
 
 
 def main(archive: Path) -> None:

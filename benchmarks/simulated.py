@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from indexer import schema
-from indexer.gallery import CLIPS
-from indexer.library import FILE, Library
-from indexer.writer import INDEXED
-from search.vocabulary import vocabulary
+from indexer.store import schema
+from indexer.store.stored_library import FILE, Library
+from indexer.store.writer import INDEXED
+from indexer.vectors.sync import CLIPS
+from search.query.vocabulary import vocabulary
 
 MANNERS = (
     "", "slowly", "quickly", "carefully", "happily", "angrily", "like an old man", "while looking around", "twice",

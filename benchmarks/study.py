@@ -16,13 +16,13 @@ from pathlib import Path
 
 import torch
 
-from encoders.tmr import losses
-from encoders.tmr.data import PairStore
-from encoders.tmr.language import LanguageModel
-from encoders.tmr.material import unrelated_sentences
-from encoders.tmr.network import Tower
-from encoders.tmr.recipe import Recipe, default_network
-from encoders.tmr.run import prepare, train
+from encoders.tmr.model.network import Tower
+from encoders.tmr.text.language_model import LanguageModel
+from encoders.tmr.training import losses
+from encoders.tmr.training.dataset import unrelated_sentences
+from encoders.tmr.training.pairs import PairStore
+from encoders.tmr.training.pipeline import prepare, train
+from encoders.tmr.training.recipe import Recipe, default_network
 
 _ENCODERS = default_network()
 _DECODER = Tower(

@@ -82,7 +82,7 @@ class Motion:
 
     def _repr_html_(self) -> str:
         """The motion, moving, in a notebook."""
-        from encoders.player import player
+        from encoders.drawing.player import player
 
         return player([(self, f"{self.duration:.1f} s")])
 

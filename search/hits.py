@@ -92,7 +92,7 @@ class Hits(list[Hit]):
 
     def _repr_html_(self) -> str | None:
         """The hits, moving, in a notebook; None where there is none whose motion is within reach."""
-        from encoders.player import player
+        from encoders.drawing.player import player
 
         try:
             motions = [(hit.read(), _legend(hit)) for hit in self[:_SHOWN] if hit.read is not None]

@@ -11,19 +11,19 @@ from typing import Any
 import numpy as np
 import torch
 
-from encoders.bundle import Bundle
-from encoders.corpus.made import Made, made_clips
-from encoders.corpus.real import CaptionedTake
-from encoders.corpus.seeds import CALIBRATION
+from encoders.bundle.bundle import Bundle
+from encoders.corpus.composition.real import CaptionedTake
+from encoders.corpus.composition.seeds import CALIBRATION
+from encoders.corpus.composition.synthetic import Made, made_clips
 from encoders.errors import MotionSeekError
-from encoders.kinds import FEATURE_KINDS
-from encoders.tmr.export import export_bundle
-from encoders.tmr.language import LanguageModel
-from encoders.tmr.material import unrelated_sentences
-from encoders.tmr.network import TMR
-from encoders.tmr.normaliser import Normaliser
-from encoders.tmr.recipe import Recipe
-from search.calibrate import calibrate
+from encoders.features.registry import FEATURE_KINDS
+from encoders.tmr.conversion.to_bundle import export_bundle
+from encoders.tmr.model.network import TMR
+from encoders.tmr.model.normaliser import Normaliser
+from encoders.tmr.text.language_model import LanguageModel
+from encoders.tmr.training.dataset import unrelated_sentences
+from encoders.tmr.training.recipe import Recipe
+from search.ranking.calibration import calibrate
 
 _BACKGROUND, _ASKED, _UNRELATED = 1500, 800, 400
 

@@ -12,14 +12,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle import Bundle
+from encoders.bundle.bundle import Bundle
+from encoders.bundle.windows import Windows, ends_of, grid
 from encoders.errors import LibraryError, QueryError, UnreadableMotion
 from encoders.motion import Motion
-from indexer import load_motion
-from indexer.clips import Caption, Clip
-from indexer.library import Library
-from indexer.recall import read_as_known
-from indexer.windows import Windows, ends_of, grid
+from indexer.ingest.load import load_motion
+from indexer.ingest.unindexed import read_as_known
+from indexer.store.clips import Caption, Clip
+from indexer.store.stored_library import Library
 
 #: Names held against one that no clip has.
 _LOOKED_THROUGH = 5000

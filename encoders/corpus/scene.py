@@ -31,7 +31,7 @@ class Step:
     count : int
         How often; 0 says nothing.
     style : str
-        A name of `encoders.corpus.style.STYLES`.
+        A name of `encoders.corpus.engine.style.STYLES`.
     height : str
         "low", "middle" or "high".
     """

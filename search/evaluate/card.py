@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
-from encoders.bundle import Bundle
-from encoders.corpus.made import Made, made_clips
-from encoders.corpus.seeds import TEST
-from encoders.kinds import FEATURE_KINDS
-from indexer.captioned import captioned_takes
-from search.evaluate.corpus import evaluate_corpus
-from search.evaluate.described import evaluate_described
-from search.evaluate.labels import LabelReport, evaluate_labels
-from search.evaluate.nonsense import evaluate_nonsense
+from encoders.bundle.bundle import Bundle
+from encoders.corpus.composition.seeds import TEST
+from encoders.corpus.composition.synthetic import Made, made_clips
+from encoders.features.registry import FEATURE_KINDS
+from indexer.datasets.captioned_takes import captioned_takes
+from search.evaluate.captioned_archive import evaluate_described
+from search.evaluate.corpus_retrieval import evaluate_corpus
+from search.evaluate.labelled_archive import LabelReport, evaluate_labels
+from search.evaluate.out_of_domain import evaluate_nonsense
 
 _ABOUT = """# The model
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from search.evaluate.card import table
-from search.evaluate.overlaps import THRESHOLDS
+from search.evaluate.moment_metrics import THRESHOLDS
 
 Figures = Mapping[str, Mapping[str, float]]
 

@@ -9,10 +9,10 @@ from importlib.metadata import version
 from fastapi import FastAPI
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from search.server import errors
+from search.server import error_responses
 from search.server.guard import Guard
-from search.server.metrics import Measured
 from search.server.page import Page
+from search.server.prometheus import Measured
 from search.server.routes import health, library, motions, search
 from search.server.served import ServedLibrary
 from search.server.state import State
@@ -56,7 +56,7 @@ def create_app(
         redoc_url=None,
         lifespan=lifespan,
     )
-    errors.install(app)
+    error_responses.install(app)
     for module in (search, motions, library, health):
         app.include_router(module.routes(state))
     app.mount("/", Page())

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from fastapi import Response
 from pydantic import BaseModel, Field
 
-from indexer.clips import Caption, Clip
+from indexer.store.clips import Caption, Clip
 from search.hits import Hit
 
 #: The number of a clip of the library, or what an upload is called.

@@ -13,7 +13,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from search.server.errors import refusal
+from search.server.error_responses import refusal
 
 #: Before the port: a browser sends the cookies of all ports of a computer to each of them.
 COOKIE = "motionseek_token_"

@@ -9,7 +9,7 @@ from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
-from search.server.errors import Refused
+from search.server.error_responses import Refused
 
 FOLDER = Path(__file__).parents[1] / "page"
 

@@ -15,17 +15,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle import Bundle
+from encoders.bundle.bundle import Bundle
 from encoders.errors import MotionSeekError
-from indexer.clips import Caption, Clip
-from indexer.gallery import CLIPS, WINDOWS
-from indexer.vectors import FlatVectors
-from search.engine import Ref, SearchableLibrary
+from indexer.store.clips import Caption, Clip
+from indexer.vectors.flat import FlatVectors
+from indexer.vectors.sync import CLIPS, WINDOWS
 from search.hits import Hit
-from search.query import encode_queries
-from search.question import Question
+from search.library import Ref, SearchableLibrary
+from search.query.encoding import encode_queries
+from search.query.question import Question
+from search.server.answer_cache import Grounds, StandingAnswers
 from search.server.cache import Cache
-from search.server.standing import Grounds, StandingAnswers
 from search.source import Source
 
 Ids = NDArray[np.int64]

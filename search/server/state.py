@@ -11,13 +11,13 @@ import numpy as np
 from anyio.to_thread import run_sync
 from numpy.typing import NDArray
 
-from indexer.clips import Clip
+from indexer.store.clips import Clip
 from search.hits import Hit
-from search.question import Question
-from search.server.batching import Batcher, Overloaded
+from search.query.question import Question
 from search.server.cache import Cache
-from search.server.errors import Refused
-from search.server.metrics import Metrics
+from search.server.error_responses import Refused
+from search.server.prometheus import Metrics
+from search.server.request_batches import Batcher, Overloaded
 from search.server.served import Search, ServedLibrary
 from search.server.uploads import Limits, Upload, Uploads
 from search.source import Source

@@ -16,10 +16,10 @@ import anyio
 from anyio.to_thread import run_sync
 from starlette.requests import ClientDisconnect, Request
 
-from indexer import pool
-from indexer.readers import READABLE
-from search.server.errors import BUSY, Refused
-from search.server.reading import READ
+from indexer.formats.table import READABLE
+from indexer.ingest import pool
+from search.server.error_responses import BUSY, Refused
+from search.server.upload_reading import READ
 from search.source import Source
 
 

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from encoders.body import LAYOUT, MIRROR_INDEX, MIRROR_SIGN, POINTS, SIZE, body_features
-from encoders.kinds import FEATURE_KINDS
+from encoders.features.canonical import LAYOUT, MIRROR_INDEX, MIRROR_SIGN, POINTS, SIZE, body_features
+from encoders.features.registry import FEATURE_KINDS
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, PARENTS, RAW_OFFSETS
 

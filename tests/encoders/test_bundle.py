@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.batching import length_buckets, pad
-from encoders.bundle import Bundle, half_overlapping
+from encoders.bundle.batching import length_buckets, pad
+from encoders.bundle.bundle import Bundle, half_overlapping
+from encoders.bundle.manifest import REQUIRED, digest
 from encoders.errors import BundleError
-from encoders.kinds import FEATURE_KINDS
-from encoders.manifest import REQUIRED, digest
+from encoders.features.registry import FEATURE_KINDS
 from encoders.motion import Motion
 
 SIZE = FEATURE_KINDS["body"].size
@@ -148,7 +148,7 @@ def test_sentences_asked_again_are_remembered_and_only_so_many(bundle, monkeypat
     again = fresh.encode_texts(["run", "sit", "jump"])
     assert asked == ["jump", "run", "sit"]
     np.testing.assert_array_equal(first[[1, 0]], again[[0, 2]])
-    monkeypatch.setattr("encoders.bundle._SENTENCES_KEPT", 2)
+    monkeypatch.setattr("encoders.bundle.bundle._SENTENCES_KEPT", 2)
     fresh.encode_texts(["kick"])
     fresh.encode_texts(["run"])
     assert asked == ["jump", "run", "sit", "kick", "run"]
@@ -297,7 +297,7 @@ def test_a_file_that_is_none_of_its_kind_is_named(copy, name, ask):
 def test_encoding_needs_no_torch_and_motions_need_no_language_model(tiny_bundle):
     program = f"""
 import sys, numpy as np
-from encoders.bundle import Bundle
+from encoders.bundle.bundle import Bundle
 assert "onnxruntime" not in sys.modules and "tokenizers" not in sys.modules
 bundle = Bundle.load({str(tiny_bundle)!r})
 bundle.encode_features([np.zeros((5, {SIZE}), np.float32)])

@@ -10,15 +10,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from encoders.corpus.actions.programs import programs
 from encoders.corpus.language import HeldOut, captions, describe, parse, random_scene, swaps
 from encoders.corpus.language.clause import choose_phrase, fill
 from encoders.corpus.language.lexicon import entries, entry_of
 from encoders.corpus.language.measure import coverage, phrasings_of_actions
 from encoders.corpus.language.subjects import Subject
-from encoders.corpus.programs import programs
 from encoders.corpus.scene import Scene, Step
-from encoders.words import gerund, past, third_person
-from search.phrasing import phrasings
+from encoders.english import gerund, past, third_person
+from search.query.paraphrases import phrasings
 
 COMMON = "walk run wave bow sit_down punch kick throw clap point guide turn jump".split()
 

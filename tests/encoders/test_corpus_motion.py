@@ -7,15 +7,15 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from encoders.corpus.body import OFFSETS, pose, random_geometry
-from encoders.corpus.carriage import CARRIAGES
-from encoders.corpus.compose import act_scene, compatible, make_clip
-from encoders.corpus.curves import ANKLE, HANGING, STAND, Curves, standing
-from encoders.corpus.joining import join
-from encoders.corpus.programs import parts_of, program, programs, sample_step
+from encoders.corpus.actions.programs import parts_of, program, programs, sample_step
+from encoders.corpus.composition.scene_clips import act_scene, compatible, make_clip
+from encoders.corpus.engine.arm_carriage import CARRIAGES
+from encoders.corpus.engine.curves import ANKLE, HANGING, STAND, Curves, standing
+from encoders.corpus.engine.joining import join
+from encoders.corpus.engine.posing import OFFSETS, pose, random_geometry
+from encoders.corpus.engine.style import NEUTRAL, STYLES, Manner, apply_manner
+from encoders.corpus.engine.style_variants import OTHER_WAYS
 from encoders.corpus.scene import Clip, Scene, Step
-from encoders.corpus.style import NEUTRAL, STYLES, Manner, apply_manner
-from encoders.corpus.ways import OTHER_WAYS
 from encoders.motion import Motion
 from encoders.skeleton import INDEX, PARENTS
 

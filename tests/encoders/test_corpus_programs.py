@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from encoders.corpus.body import OFFSETS, pose
-from encoders.corpus.curves import LEFT, RIGHT, Curves
-from encoders.corpus.programs import parts_of, programs
+from encoders.corpus.actions.programs import parts_of, programs
+from encoders.corpus.engine.curves import LEFT, RIGHT, Curves
+from encoders.corpus.engine.posing import OFFSETS, pose
+from encoders.corpus.engine.style import NEUTRAL
 from encoders.corpus.scene import Step
-from encoders.corpus.style import NEUTRAL
 from encoders.skeleton import INDEX, PARENTS
 
 ACTED = sorted(
-    name for name, p in programs().items() if p.make.__module__ == "encoders.corpus.acting"
+    name for name, p in programs().items() if p.make.__module__ == "encoders.corpus.engine.performance"
 )  # made of key poses
 SIDES = {"left": LEFT, "right": RIGHT}
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.compose import make_clip
+from encoders.corpus.actions.programs import held_out_programs, program_of, programs
+from encoders.corpus.composition.long_takes import unseen_take
+from encoders.corpus.composition.scene_clips import make_clip
+from encoders.corpus.engine.style import STYLES
+from encoders.corpus.heldout import styles, words
 from encoders.corpus.language import parse, random_scene
 from encoders.corpus.language.lexicon import entries
-from encoders.corpus.programs import held_out_programs, program_of, programs
 from encoders.corpus.scene import Scene, Step
-from encoders.corpus.style import STYLES
-from encoders.corpus.takes import unseen_take
-from encoders.corpus.unseen import styles, words
 
 HELD_OUT = sorted(held_out_programs())
 

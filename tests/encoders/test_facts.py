@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.facts import _KINDS_OF, Untold, facts, stated_by
-from encoders.corpus.programs import programs
+from encoders.corpus.actions.programs import programs
+from encoders.corpus.composition.facts import _KINDS_OF, Untold, facts, stated_by
 from encoders.corpus.scene import Scene, Step
 
 

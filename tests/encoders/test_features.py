@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from encoders.features import (
+from encoders.features.humanml3d import (
     LAYOUT,
     SIZE,
     canonical,
@@ -18,7 +18,7 @@ from encoders.features import (
     joints_to_features,
     uniform_skeleton,
 )
-from encoders.kinds import FEATURE_KINDS
+from encoders.features.registry import FEATURE_KINDS
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, PARENTS
 

@@ -7,13 +7,13 @@ import re
 import numpy as np
 import pytest
 
-from encoders.corpus import made
-from encoders.corpus.facts import facts
+from encoders.corpus.actions.programs import programs
+from encoders.corpus.composition import synthetic
+from encoders.corpus.composition.facts import facts
+from encoders.corpus.composition.synthetic import Made, made_clips, settle, told, true_of
 from encoders.corpus.language import HeldOut, parse
-from encoders.corpus.made import Made, made_clips, settle, told, true_of
-from encoders.corpus.programs import programs
 from encoders.corpus.scene import Clip, Scene, Step
-from encoders.kinds import FEATURE_KINDS, FeatureKind
+from encoders.features.registry import FEATURE_KINDS, FeatureKind
 
 BODY = FEATURE_KINDS["body"]
 SENTENCES = ("a person walks forward and sits down", "someone waves with the left hand")
@@ -23,7 +23,7 @@ SENTENCES = ("a person walks forward and sits down", "someone waves with the lef
 def unacted(monkeypatch: pytest.MonkeyPatch) -> FeatureKind:
     """Scenes are described but not acted out, so that many can be looked at."""
     still = np.zeros((20, 22, 3), np.float32)
-    monkeypatch.setattr(made, "make_clip", lambda scene, rng: Clip(still, scene=scene))
+    monkeypatch.setattr(synthetic, "make_clip", lambda scene, rng: Clip(still, scene=scene))
     return FeatureKind("none", 1, 10.0, lambda motion: np.zeros((len(motion), 1), np.float32))
 
 

@@ -9,8 +9,8 @@ import struct
 import numpy as np
 import pytest
 
+from encoders.drawing.player import player
 from encoders.motion import Motion
-from encoders.player import player
 from tests.search.conftest import made_motion
 
 

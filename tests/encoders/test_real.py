@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.real import CaptionedSpan, CaptionedTake, mirror_words, real_clips
-from encoders.kinds import FEATURE_KINDS, FeatureKind
+from encoders.corpus.composition.real import CaptionedSpan, CaptionedTake, mirror_words, real_clips
+from encoders.features.registry import FEATURE_KINDS, FeatureKind
 from encoders.motion import Motion
 
 #: Every second frame's root: what a feature kind at 10 frames a second could be.

@@ -5,9 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.body import OFFSETS
-from encoders.corpus.real import CaptionedSpan, CaptionedTake
-from encoders.corpus.recombined import Piece, joined_pair, laid_over, made_gesture, pieces, recombined, with_arms
+from encoders.corpus.composition.augmentation import (
+    Piece,
+    joined_pair,
+    laid_over,
+    made_gesture,
+    pieces,
+    recombined,
+    with_arms,
+)
+from encoders.corpus.composition.real import CaptionedSpan, CaptionedTake
+from encoders.corpus.engine.posing import OFFSETS
 from encoders.corpus.scene import Scene, Step
 from encoders.motion import Motion
 from encoders.skeleton import INDEX, PARENTS

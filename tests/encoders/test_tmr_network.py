@@ -9,8 +9,8 @@ import pytest
 torch = pytest.importorskip("torch")
 pytestmark = pytest.mark.torch
 
-from encoders.tmr import losses  # noqa: E402
-from encoders.tmr.network import TMR, Config, Gaussian, Tower, group_frames, positions, valid_mask  # noqa: E402
+from encoders.tmr.model.network import TMR, Config, Gaussian, Tower, group_frames, positions, valid_mask  # noqa: E402
+from encoders.tmr.training import losses  # noqa: E402
 
 SMALL = {"width": 16, "layers": 2, "heads": 2, "feedforward": 24, "dropout": 0.0}
 

@@ -12,15 +12,16 @@ torch = pytest.importorskip("torch")
 pytestmark = pytest.mark.torch
 
 from encoders.errors import BundleError  # noqa: E402
-from encoders.tmr import losses, published  # noqa: E402
-from encoders.tmr.network import TMR, Config, positions, valid_mask  # noqa: E402
+from encoders.tmr.conversion import from_published  # noqa: E402
+from encoders.tmr.model.network import TMR, Config, positions, valid_mask  # noqa: E402
+from encoders.tmr.training import losses  # noqa: E402
 
 CLOSE = {"rtol": 0, "atol": 1e-5}
 
 
 @pytest.fixture(scope="module")
 def network(golden: Path) -> TMR:
-    return published.load_run(golden / "published_run")
+    return from_published.load_run(golden / "published_run")
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +81,7 @@ def test_the_decoder_gives_the_published_motions(network, io, golden):
     latent, lengths = tensors(io, "decoder/random_z", "decoder/random_z_lengths")
     close(network.motion_decoder(latent, valid_mask(lengths, 20)), io["decoder/random_z_out"])
 
-    mean, std = published.load_stats(golden / "published_dataset/stats/humanml3d/guoh3dfeats")
+    mean, std = from_published.load_stats(golden / "published_dataset/stats/humanml3d/guoh3dfeats")
     decoded = network.motion_decoder(torch.from_numpy(io["motion/mu"][:2]), mask[:2]).numpy()
     close(decoded * (std + 1e-12) + mean, io["decoder/from_motion_mu_denormalized"])
 
@@ -126,9 +127,9 @@ def test_latents_are_drawn_as_published(loss_inputs):
 
 @pytest.mark.parametrize("mode", ["sample_mean", "sampled"])
 def test_every_loss_and_gradient_is_the_published_one(golden, loss_inputs, expected, mode):
-    network = published.load_run(golden / "published_run").requires_grad_()
+    network = from_published.load_run(golden / "published_run").requires_grad_()
     terms = terms_of(network, loss_inputs, mode)
-    weights, _, _ = published.read_weights(golden / "published_run")
+    weights, _, _ = from_published.read_weights(golden / "published_run")
     loss = losses.total(terms, weights)
     names = {"recons": "reconstruction", "kl": "kl", "latent": "latent", "contrastive": "contrastive"}
     for theirs, ours in names.items():
@@ -184,7 +185,7 @@ def test_a_low_threshold_never_leaves_out_the_pair_itself(loss_inputs):
 
 
 def test_three_steps_of_adamw_follow_the_published_path(golden, loss_inputs, expected):
-    network = published.load_run(golden / "published_run").requires_grad_()
+    network = from_published.load_run(golden / "published_run").requires_grad_()
     optimiser = torch.optim.AdamW(network.parameters(), lr=1e-4)
     path = []
     for _ in range(4):
@@ -221,8 +222,8 @@ def test_a_damaged_run_is_named(golden, tmp_path, damage):
     if damage != "no config":
         (run / "config.json").write_text(json.dumps(config))
     if damage != "no weights":
-        for name in published.MODULES:
+        for name in from_published.MODULES:
             weights = (golden / f"published_run/last_weights/{name}.pt").read_bytes()
             (run / f"last_weights/{name}.pt").write_bytes(b"no pickle" if damage == "not tensors" else weights)
     with pytest.raises(BundleError, match=str(run)):
-        published.load_run(run)
+        from_published.load_run(run)

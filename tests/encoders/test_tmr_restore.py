@@ -12,14 +12,14 @@ torch = pytest.importorskip("torch")
 pytest.importorskip("onnx")
 pytestmark = pytest.mark.torch
 
-from encoders.bundle import Bundle  # noqa: E402
+from encoders.bundle.bundle import Bundle  # noqa: E402
 from encoders.errors import BundleError  # noqa: E402
-from encoders.kinds import FEATURE_KINDS  # noqa: E402
-from encoders.tmr.export import export_bundle  # noqa: E402
-from encoders.tmr.network import TMR, Config, Tower  # noqa: E402
-from encoders.tmr.padding import pad  # noqa: E402
-from encoders.tmr.recipe import default_network  # noqa: E402
-from encoders.tmr.restore import restore  # noqa: E402
+from encoders.features.registry import FEATURE_KINDS  # noqa: E402
+from encoders.tmr.conversion.from_bundle import restore  # noqa: E402
+from encoders.tmr.conversion.to_bundle import export_bundle  # noqa: E402
+from encoders.tmr.model.network import TMR, Config, Tower  # noqa: E402
+from encoders.tmr.model.padding import pad  # noqa: E402
+from encoders.tmr.training.recipe import default_network  # noqa: E402
 from tests.encoders.tiny_bundle import tiny_language  # noqa: E402
 
 KIND = FEATURE_KINDS["body"]

@@ -14,14 +14,14 @@ torch = pytest.importorskip("torch")
 pytestmark = pytest.mark.torch
 
 from encoders.errors import MotionSeekError  # noqa: E402
-from encoders.tmr.batches import Batches  # noqa: E402
-from encoders.tmr.data import Pair, PairStore  # noqa: E402
-from encoders.tmr.losses import contrastive, telling_apart  # noqa: E402
-from encoders.tmr.network import Config, Tower  # noqa: E402
-from encoders.tmr.padding import pad  # noqa: E402
-from encoders.tmr.recipe import Recipe  # noqa: E402
-from encoders.tmr.run import prepare  # noqa: E402
-from encoders.tmr.train import Trainer, learning_rate  # noqa: E402
+from encoders.tmr.model.network import Config, Tower  # noqa: E402
+from encoders.tmr.model.padding import pad  # noqa: E402
+from encoders.tmr.training.batches import Batches  # noqa: E402
+from encoders.tmr.training.loop import Trainer, learning_rate  # noqa: E402
+from encoders.tmr.training.losses import contrastive, telling_apart  # noqa: E402
+from encoders.tmr.training.pairs import Pair, PairStore  # noqa: E402
+from encoders.tmr.training.pipeline import prepare  # noqa: E402
+from encoders.tmr.training.recipe import Recipe  # noqa: E402
 
 KINDS, FEATURES, WIDTH = 8, 6, 8
 UNRELATED = ("a cheap spreadsheet", "lorem ipsum")

@@ -16,10 +16,10 @@ from tokenizers.normalizers import BertNormalizer
 from tokenizers.pre_tokenizers import BertPreTokenizer
 from tokenizers.processors import TemplateProcessing
 
-from encoders.kinds import FEATURE_KINDS
-from encoders.tmr.export import export_bundle
-from encoders.tmr.language import LanguageConfig, LanguageModel, LanguageNetwork
-from encoders.tmr.network import TMR, Config, Tower
+from encoders.features.registry import FEATURE_KINDS
+from encoders.tmr.conversion.to_bundle import export_bundle
+from encoders.tmr.model.network import TMR, Config, Tower
+from encoders.tmr.text.language_model import LanguageConfig, LanguageModel, LanguageNetwork
 
 FOLDER = Path(__file__).resolve().parent.parent / "data" / "tiny_bundle"
 WORDS = (

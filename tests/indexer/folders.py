@@ -47,7 +47,7 @@ def write(path: Path, seed: int, seconds: float = 4.0) -> Path:
 
 
 class SmallBundle:
-    """Stands in for `encoders.bundle.Bundle`: a fixed projection of the mean pose and its spread."""
+    """Stands in for `encoders.bundle.bundle.Bundle`: a fixed projection of the mean pose and its spread."""
 
     def __init__(self, name: str = "small", latent_size: int = 16) -> None:
         self.name = name

@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.corpus.real import CaptionedSpan, CaptionedTake
+from encoders.corpus.composition.real import CaptionedSpan, CaptionedTake
 from encoders.errors import QueryError, UnreadableMotion
 from encoders.motion import Motion
-from indexer import captioned
-from indexer.captioned import captioned_takes
+from indexer.datasets.captioned_takes import captioned_takes
 
 COLUMNS = ("path", "trial", "kind", "split", "use", "fps_in_file", "fps_true", "description")
 ROWS = (
@@ -45,7 +44,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, float | None]:
         rates[path.name] = fps
         return Motion(np.zeros((200, 22, 3), np.float32))
 
-    monkeypatch.setattr(captioned, "load_motion", load)
+    monkeypatch.setattr("indexer.datasets.captioned_takes.load_motion", load)
     return rates
 
 

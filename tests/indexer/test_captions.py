@@ -2,7 +2,7 @@
 
 import pytest
 
-from indexer.captions import Row, read_lines, read_table
+from indexer.ingest.caption_files import Row, read_lines, read_table
 
 
 @pytest.fixture

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from indexer import vector_files, vectors
-from indexer.clustered import ClusteredBlock
-from indexer.vectors import FlatVectors, Rows
+from indexer.vectors import files, flat
+from indexer.vectors.clustered import ClusteredBlock
+from indexer.vectors.flat import FlatVectors, Rows
 
 SIZE, EACH = 32, 10
 
@@ -26,7 +26,7 @@ def rows():
 @pytest.fixture(scope="module")
 def clustered(rows):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(vectors, "CLUSTERED_FROM", 30_000)
+        patch.setattr(flat, "CLUSTERED_FROM", 30_000)
         return FlatVectors.of(1, rows)
 
 
@@ -81,8 +81,8 @@ def test_changes_are_seen(clustered, rows):
 
 
 def test_a_file_holds_the_clusters(clustered, tmp_path):
-    vector_files.save(clustered, tmp_path, "windows", "model")
-    again = vector_files.load(tmp_path, "windows", "model", SIZE)
+    files.save(clustered, tmp_path, "windows", "model")
+    again = files.load(tmp_path, "windows", "model", SIZE)
     assert isinstance(again.main, ClusteredBlock)
     for got, want in zip(again.search(queries(), 20), clustered.search(queries(), 20), strict=True):
         np.testing.assert_array_equal(got, want)

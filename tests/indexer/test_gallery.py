@@ -2,8 +2,8 @@
 
 import pytest
 
-from indexer.gallery import CLIPS, WINDOWS
-from indexer.library import Library
+from indexer.store.stored_library import Library
+from indexer.vectors.sync import CLIPS, WINDOWS
 
 
 @pytest.mark.parametrize("kind", [CLIPS, WINDOWS], ids=lambda kind: kind.name)

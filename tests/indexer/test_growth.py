@@ -5,10 +5,10 @@ import threading
 import numpy as np
 import pytest
 
-from indexer import vectors
-from indexer.blocks import Block, Mask, Part
-from indexer.clustered import ClusteredBlock
-from indexer.vectors import FlatVectors, Rows
+from indexer.vectors import flat
+from indexer.vectors.blocks import Block, Mask, Part
+from indexer.vectors.clustered import ClusteredBlock
+from indexer.vectors.flat import FlatVectors, Rows
 
 SIZE, BATCH = 32, 250
 FIRST, LATER = 20_000, 40
@@ -29,8 +29,8 @@ def some_rows(count, first_owner, seed):
 
 @pytest.fixture
 def small_limits(monkeypatch):
-    monkeypatch.setattr(vectors, "CLUSTERED_FROM", FIRST)
-    monkeypatch.setattr(vectors, "LATER_CLUSTERED_FROM", 4 * BATCH)
+    monkeypatch.setattr(flat, "CLUSTERED_FROM", FIRST)
+    monkeypatch.setattr(flat, "LATER_CLUSTERED_FROM", 4 * BATCH)
 
 
 @pytest.fixture

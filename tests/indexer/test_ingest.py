@@ -12,11 +12,12 @@ import pytest
 
 from encoders.errors import BundleMismatch, LibraryError
 from encoders.motion import Motion
-from indexer import ingest, recipe, side_files
-from indexer.ingest import index, reencode
-from indexer.library import FOLDER, Caption, Library
-from indexer.lock import write_lock
-from indexer.pool import Read
+from indexer.ingest import captions, indexing
+from indexer.ingest.indexing import index, reencode
+from indexer.ingest.pool import Read
+from indexer.store import read_options
+from indexer.store.lock import write_lock
+from indexer.store.stored_library import FOLDER, Caption, Library
 from tests.indexer.folders import SmallBundle, moving, write
 
 ROOT = Path(__file__).parents[2]
@@ -41,7 +42,7 @@ def read_here(monkeypatch):
             except Exception as error:
                 yield request.key, Read(None, reason=f"cannot be read: {error}")
 
-    monkeypatch.setattr(ingest, "read_all", read_all)
+    monkeypatch.setattr(indexing, "read_all", read_all)
     return read
 
 
@@ -282,7 +283,7 @@ def test_changed_captions_are_picked_up_without_reading_motions(root, bundle, re
 def test_unchanged_side_files_are_not_opened(root, bundle, monkeypatch):
     (root / "a.txt").write_text("a person walks\n")
     index(root, bundle=bundle)
-    monkeypatch.setattr(side_files, "read_lines", lambda *_: pytest.fail("opened"))
+    monkeypatch.setattr(captions, "read_lines", lambda *_: pytest.fail("opened"))
     index(root, bundle=bundle)
 
 
@@ -395,7 +396,7 @@ def test_readers_see_whole_batches_while_one_is_written(root, bundle, monkeypatc
     index(root, bundle=bundle)
     write(root / "new.npy", 40)
     seen = []
-    add = ingest.Writer.add
+    add = indexing.Writer.add
 
     def add_and_look(self, *arguments):
         number = add(self, *arguments)
@@ -403,7 +404,7 @@ def test_readers_see_whole_batches_while_one_is_written(root, bundle, monkeypatc
             seen.append(len(library))
         return number
 
-    monkeypatch.setattr(ingest.Writer, "add", add_and_look)
+    monkeypatch.setattr(indexing.Writer, "add", add_and_look)
     index(root, bundle=bundle)
     assert seen == [3]
     assert len(Library.open(root)) == 4
@@ -412,7 +413,7 @@ def test_readers_see_whole_batches_while_one_is_written(root, bundle, monkeypatc
 def test_ctrl_c_keeps_what_is_done(root, bundle, monkeypatch):
     for seed in range(10):
         write(root / f"more{seed}.npy", seed)
-    read = ingest.read_all
+    read = indexing.read_all
 
     def interrupted(requests, jobs):
         for number, item in enumerate(read(requests, jobs)):
@@ -420,11 +421,11 @@ def test_ctrl_c_keeps_what_is_done(root, bundle, monkeypatch):
                 raise KeyboardInterrupt
             yield item
 
-    monkeypatch.setattr(ingest, "read_all", interrupted)
+    monkeypatch.setattr(indexing, "read_all", interrupted)
     summary = index(root, bundle=bundle)
     assert summary.interrupted
     assert summary.indexed == 5
-    monkeypatch.setattr(ingest, "read_all", read)
+    monkeypatch.setattr(indexing, "read_all", read)
     assert counts(index(root, bundle=bundle)) == (8, 5, 0, 0, 0)
 
 
@@ -460,7 +461,7 @@ def test_reencoding_needs_no_source_file(root, bundle, tmp_path):
 
 def test_reencoding_that_is_cut_off_leaves_the_old_answers_and_goes_on(root, bundle, monkeypatch):
     index(root, bundle=bundle)
-    monkeypatch.setattr("indexer.reencode._BATCH_CLIPS", 1)
+    monkeypatch.setattr("indexer.ingest.reencode._BATCH_CLIPS", 1)
     other, encoded = SmallBundle("other"), []
     encode_motions = other.encode_motions
 
@@ -485,19 +486,19 @@ def test_reencoding_that_is_cut_off_leaves_the_old_answers_and_goes_on(root, bun
 def test_files_are_read_again_when_reading_has_changed(root, bundle, read_here, monkeypatch):
     index(root, bundle=bundle)
     before = paths(root)
-    monkeypatch.setattr(recipe, "READING", 99)
+    monkeypatch.setattr(read_options, "READING", 99)
     assert counts(index(root, bundle=bundle)) == (3, 0, 0, 0, 0)
     assert paths(root) == before
 
 
 KILLED = """
     import sys
-    from indexer import ingest
+    from indexer.ingest import indexing
     from tests.indexer.folders import SmallBundle
-    ingest._BATCH_FILES = 2
+    indexing._BATCH_FILES = 2
     def told(done, total, path):
         print(done, flush=True)
-    ingest.index(sys.argv[1], bundle=SmallBundle(), jobs=1, progress=told)
+    indexing.index(sys.argv[1], bundle=SmallBundle(), jobs=1, progress=told)
 """
 
 

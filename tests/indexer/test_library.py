@@ -7,9 +7,10 @@ import pytest
 
 from encoders.errors import BundleMismatch, LibraryError
 from encoders.motion import Motion
-from indexer import ingest, poses, schema
-from indexer.library import FILE, FOLDER, Caption, Library
-from indexer.pool import Read
+from indexer.ingest import indexing
+from indexer.ingest.pool import Read
+from indexer.store import poses, schema
+from indexer.store.stored_library import FILE, FOLDER, Caption, Library
 from tests.indexer.folders import SmallBundle, moving, write
 
 
@@ -26,7 +27,7 @@ def in_process(monkeypatch):
         for request in requests:
             yield request.key, Read(Motion(np.load(request.path)), "rig")
 
-    monkeypatch.setattr(ingest, "read_all", read_all)
+    monkeypatch.setattr(indexing, "read_all", read_all)
 
 
 @pytest.fixture
@@ -36,7 +37,7 @@ def folder(tmp_path, bundle, in_process):
         write(root / name, seed, seconds=3 * seed)
     (root / "walk.txt").write_text("a person walks\nsomeone goes ahead\n")
     (root / "captions.csv").write_text("path,text,start,end\nsub/turn.npy,turns left,1,2\nwalk.npy,a person walks,,\n")
-    ingest.index(root, bundle=bundle)
+    indexing.index(root, bundle=bundle)
     return root
 
 
@@ -112,7 +113,7 @@ def test_a_span_of_a_motion_is_a_crop_of_it(library, span):
 def test_reading_a_span_reads_only_its_chunks(library, monkeypatch):
     clip = library.find("other/turn.npy")
     asked = []
-    monkeypatch.setattr("indexer.poses.unpack", lambda blob, unpack=poses.unpack: asked.append(1) or unpack(blob))
+    monkeypatch.setattr("indexer.store.poses.unpack", lambda blob, unpack=poses.unpack: asked.append(1) or unpack(blob))
     library.motion(clip.id, 1, 2)
     assert len(asked) == 1
 
@@ -204,7 +205,7 @@ def test_what_is_written_elsewhere_is_seen_at_the_next_question(library, folder,
     assert library.nearest_clips(query, 9)[1][0, 4] == -1
     write(folder / "new.npy", 77)
     (folder / "walk.npy").unlink()
-    ingest.index(folder, bundle=bundle)
+    indexing.index(folder, bundle=bundle)
     assert library.generation > before
     assert library.clip(library.nearest_clips(query, 1)[1][0, 0]).path == "new.npy"
     assert len(set(library.nearest_clips(query, 9)[1][0]) - {-1}) == len(library) == 4
@@ -246,7 +247,7 @@ def test_vector_files_of_a_library_that_lay_here_before_are_not_used(folder, bun
     for path in (folder / FOLDER).glob(f"{FILE}*"):
         path.unlink()
     write(folder / "walk.npy", 50)
-    ingest.index(folder, bundle=bundle)
+    indexing.index(folder, bundle=bundle)
     with Library.open(folder, bundle=bundle) as library:
         query = bundle.encode_motions([Motion(moving(50).astype(np.float32))])
         scores, ids = library.nearest_clips(query, 1)
@@ -259,7 +260,7 @@ def test_an_indexed_folder_can_be_renamed_with_its_library(folder, bundle):
     with Library.open(moved, bundle=bundle) as library:
         assert library.roots == [moved]
         assert library.find("walk").file.is_file()
-    assert ingest.index(moved, bundle=bundle).unchanged == 4
+    assert indexing.index(moved, bundle=bundle).unchanged == 4
 
 
 def test_a_damaged_library_is_an_error_that_says_so(tmp_path):

@@ -10,7 +10,7 @@ import pytest
 
 from encoders.errors import MotionSeekError, UnreadableMotion
 from encoders.motion import Motion
-from indexer.pool import Request, read_all
+from indexer.ingest.pool import Request, read_all
 from tests.indexer.folders import moving, write
 
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from encoders.errors import LibraryError
-from indexer.poses import CHUNK, STEP, pack, pack_all, unpack
+from indexer.store.poses import CHUNK, STEP, pack, pack_all, unpack
 from tests.indexer.folders import moving
 
 

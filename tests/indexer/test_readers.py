@@ -13,8 +13,9 @@ import pytest
 
 from encoders.errors import UnreadableMotion
 from encoders.skeleton import JOINTS
-from indexer import load_motion
-from indexer.readers import READABLE, npz, read_take
+from indexer.formats import npz
+from indexer.formats.table import READABLE, read_take
+from indexer.ingest.load import load_motion
 from tests.indexer.acting import bvh, performance
 
 

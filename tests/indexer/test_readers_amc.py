@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from encoders.errors import UnreadableMotion
-from indexer.readers import read_take
-from indexer.readers.take import Take
+from indexer.formats.table import read_take
+from indexer.formats.take import Take
 
 ASF = """# made by a test
 :version 1.10

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from encoders.errors import UnreadableMotion
-from indexer.readers import read_take
-from indexer.readers.numbers import parse_numbers
-from indexer.readers.take import Take
+from indexer.formats.numbers import parse_numbers
+from indexer.formats.table import read_take
+from indexer.formats.take import Take
 
 ARM = """HIERARCHY
 ROOT Hips

@@ -4,9 +4,9 @@ import shutil
 
 import pytest
 
-from indexer.ingest import index
-from indexer.library import Library
-from indexer.recall import read_as_known, recipe_of
+from indexer.ingest.indexing import index
+from indexer.ingest.unindexed import read_as_known, recipe_of
+from indexer.store.stored_library import Library
 from tests.indexer.folders import SmallBundle, write
 
 

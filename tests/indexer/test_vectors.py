@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from indexer.vectors import FlatVectors, Rows
+from indexer.vectors.flat import FlatVectors, Rows
 
 SIZE = 16
 

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from indexer.windows import LENGTHS, ends_of, first_rows, grid
+from encoders.bundle.windows import LENGTHS, ends_of, first_rows, grid
 
 
 @given(st.integers(1, 3000), st.integers(1, 200))

@@ -14,7 +14,8 @@ import pytest
 
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, PARENTS, RAW_OFFSETS
-from search import bvh, cli
+from search.cli import main
+from search.export import bvh_writer
 
 
 def made_motion(seconds: float, seed: int) -> Motion:
@@ -43,7 +44,7 @@ def takes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for i, seconds in enumerate((2.0, 4.0, 8.0, 20.0)):
         np.save(folder / f"take {i}.npy", made_motion(seconds, i).joints)
     with (folder / "deep er" / "bücken.bvh").open("wb") as file:
-        bvh.write(file, made_motion(6.0, 9))
+        bvh_writer.write(file, made_motion(6.0, 9))
     (folder / "take 1.txt").write_text("a person walks\na man strolls\n", encoding="utf-8")
     (folder / "captions.tsv").write_text(
         "path\ttext\tstart\tend\ntake 3.npy\tbückt sich\t2\t5\ntake 3.npy\twaves\t6\t9\n", encoding="utf-8"
@@ -71,13 +72,13 @@ Run = Callable[..., Ran]
 @pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch, tiny_bundle: Path, capsys: pytest.CaptureFixture[str]) -> Run:
     """Run a command in this process, with the tiny model."""
-    monkeypatch.setattr("encoders.bundle.DEFAULT", tiny_bundle)
+    monkeypatch.setattr("encoders.bundle.bundle.DEFAULT", tiny_bundle)
     monkeypatch.delenv("MOTIONSEEK_LIBRARY", raising=False)
 
     def command(*arguments: object) -> Ran:
         capsys.readouterr()
         with pytest.raises(SystemExit) as ended:
-            cli.main([str(argument) for argument in arguments])
+            main.main([str(argument) for argument in arguments])
         said = capsys.readouterr()
         code = ended.value.code
         return Ran(code if isinstance(code, int) else 0, said.out, said.err)
@@ -88,10 +89,10 @@ def run(monkeypatch: pytest.MonkeyPatch, tiny_bundle: Path, capsys: pytest.Captu
 @pytest.fixture(scope="session")
 def indexed(takes: Path, tiny_bundle: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The takes, indexed with the tiny model. Not to be changed."""
-    from encoders.bundle import Bundle
-    from indexer import ingest
+    from encoders.bundle.bundle import Bundle
+    from indexer.ingest import indexing
 
     folder = tmp_path_factory.mktemp("indexed") / takes.name
     shutil.copytree(takes, folder)
-    ingest.index(folder, bundle=Bundle.load(tiny_bundle), jobs=1)
+    indexing.index(folder, bundle=Bundle.load(tiny_bundle), jobs=1)
     return folder

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.made import Made
+from encoders.corpus.composition.synthetic import Made
 from encoders.corpus.scene import Scene, Step
-from search import strength
-from search.calibrate import calibrate
+from search.ranking import strength
+from search.ranking.calibration import calibrate
 from tests.search.answers import SENTENCES, KnownAnswers
 
 

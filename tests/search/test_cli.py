@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 import pytest
 
-from search.cli import COMMANDS, cli
+from search.cli.main import COMMANDS, cli
 from tests.search.conftest import Run
 
 
@@ -91,7 +91,7 @@ def test_no_library_is_one_line_that_says_what_to_do(run: Run, tmp_path: Path, m
 
 def test_an_error_is_a_traceback_only_with_debug(indexed: Path, run: Run) -> None:
     from encoders.errors import LibraryError
-    from search.cli import main
+    from search.cli.main import main
 
     assert "Traceback" not in run("export", "nothing", "x.npy", "--library", indexed).err
     with pytest.raises(LibraryError):
@@ -195,7 +195,9 @@ def test_without_a_library_a_file_must_be_there(run: Run, tmp_path: Path, monkey
 def test_an_exported_archive_is_a_clip_again(
     indexed: Path, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("search.evidence.WINDOW_MARGIN", 0.0)  # all scores of a model of random weights lie within it
+    monkeypatch.setattr(
+        "search.ranking.clip_scores.WINDOW_MARGIN", 0.0
+    )  # all scores of a model of random weights lie within it
     run("export", "take 3", tmp_path / "cut.npz", "--start", 2, "--end", 5, "--library", indexed)
     cut = (tmp_path / "cut.npz", "--start", 0)  # of a cut, also what is like a part of a clip
     assert run("similar", *cut, "--library", indexed, "--json", "-k", 1).document["hits"][0]["path"] == "take 3.npy"
@@ -218,9 +220,9 @@ class Block:
         if name.split(".")[0] == "torch":
             raise ImportError(f"{name} is blocked")
 sys.meta_path.insert(0, Block())
-import json, encoders.bundle, pathlib
-encoders.bundle.DEFAULT = pathlib.Path(sys.argv[1])
-from search.cli import main
+import json, encoders.bundle.bundle, pathlib
+encoders.bundle.bundle.DEFAULT = pathlib.Path(sys.argv[1])
+from search.cli.main import main
 for arguments in json.loads(sys.argv[2]):
     try:
         main(arguments)
@@ -252,7 +254,7 @@ def test_no_command_loads_torch(indexed: Path, tiny_bundle: Path, tmp_path: Path
 
 def test_help_needs_no_heavy_import() -> None:
     code = (
-        "import sys; from search.cli import main\n"
+        "import sys; from search.cli.main import main\n"
         "try: main(['--help'])\n"
         "except SystemExit: pass\n"
         "print(sorted({'numpy', 'onnxruntime', 'faiss', 'rich', 'torch', 'matplotlib'} & set(sys.modules)))"
@@ -262,14 +264,14 @@ def test_help_needs_no_heavy_import() -> None:
 
 @pytest.mark.skipif(os.name == "nt", reason="closes a stream as shells do")
 def test_a_process_without_stdout_is_no_error(indexed: Path) -> None:
-    script = "import sys; from search.cli import main; main(sys.argv[1:])"
+    script = "import sys; from search.cli.main import main; main(sys.argv[1:])"
     command = [sys.executable, "-c", script, "status", str(indexed)]
     done = subprocess.run(["sh", "-c", 'exec "$@" >&-', "sh", *command], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_a_name_that_the_encoding_lacks_is_printed_in_ascii(indexed: Path, tiny_bundle: Path) -> None:
-    script = "import sys; from search.cli import main; main(sys.argv[1:])"
+    script = "import sys; from search.cli.main import main; main(sys.argv[1:])"
     done = _python("-c", script, "status", str(indexed), PYTHONIOENCODING="ascii")
     assert done.returncode == 0, done.stderr
     assert "Gr\\xf6\\xdfe" in done.stdout
@@ -277,7 +279,7 @@ def test_a_name_that_the_encoding_lacks_is_printed_in_ascii(indexed: Path, tiny_
 
 @pytest.mark.parametrize("arguments", [["status"], ["search", "--help"]])
 def test_a_reader_that_goes_away_is_no_error(indexed: Path, arguments: list[str]) -> None:
-    script = "import sys; from search.cli import main; main(sys.argv[1:])"
+    script = "import sys; from search.cli.main import main; main(sys.argv[1:])"
     process = subprocess.Popen(
         [sys.executable, "-c", script, *arguments, "--library", str(indexed)],
         stdout=subprocess.PIPE,

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.made import Made
+from encoders.corpus.composition.synthetic import Made
 from encoders.corpus.scene import Scene, Step
-from search.evaluate import corpus
-from search.evaluate.corpus import evaluate_corpus
+from search.evaluate import corpus_retrieval
+from search.evaluate.corpus_retrieval import evaluate_corpus
 from tests.search.answers import SENTENCES, KnownAnswers
 
 
@@ -56,7 +56,7 @@ def test_sentences_in_words_never_met_are_true_of_every_clip_that_shows_the_acti
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     never = {"kind0": (SENTENCES[0], SENTENCES[1]), "another": (SENTENCES[2],)}
-    monkeypatch.setattr(corpus, "wordings", lambda: never)
+    monkeypatch.setattr(corpus_retrieval, "wordings", lambda: never)
     clips = [clip(shown, 0) for shown in (0, 0, 3, 4)] + [clip(1, 1), clip(2, 2)]
     figures = evaluate_corpus(clips, KnownAnswers())  # type: ignore[arg-type]
     assert figures["words never met, text -> motion"]["R@1"] == 50.0, "what nothing shows is not asked"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from encoders.corpus.real import CaptionedSpan, CaptionedTake
+from encoders.corpus.composition.real import CaptionedSpan, CaptionedTake
 from encoders.errors import QueryError
-from search.evaluate.described import evaluate_described
+from search.evaluate.captioned_archive import evaluate_described
 from tests.search.answers import KnownAnswers, motion
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from encoders.errors import QueryError, UnreadableMotion
 from encoders.motion import Motion
-from search.evaluate.labels import evaluate_labels, read_table
+from search.evaluate.labelled_archive import evaluate_labels, read_table
 from tests.search.answers import KnownAnswers, motion
 
 

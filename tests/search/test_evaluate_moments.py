@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.corpus.takes import Happening, MarkedTake, marked_take
-from search.evaluate.in_order import chain_overlap
+from encoders.corpus.composition.long_takes import Happening, MarkedTake, marked_take
+from search.evaluate.moment_metrics import Overlaps
+from search.evaluate.moment_retrieval import evaluate_moments
 from search.evaluate.moment_tables import moment_tables
-from search.evaluate.moments import evaluate_moments
-from search.evaluate.overlaps import Overlaps
-from search.evaluate.remembering import RememberingBundle
+from search.evaluate.sequence_questions import chain_overlap
+from search.evaluate.window_cache import RememberingBundle
 from tests.search.answers import SENTENCES, KnownAnswers, motion
 from tests.search.conftest import Run, made_motion
 
@@ -152,7 +152,7 @@ def test_the_command_prints_a_table_for_each_set(run: Run, monkeypatch: pytest.M
         Happening(text, (2.0 * i, 2.0 * i + 2), frozenset({text})) for i, text in enumerate(("walks", "sits", "bows"))
     ]
     monkeypatch.setattr(
-        "search.evaluate.marked.composed", lambda count: [marked_take(made_motion(6.0, 0), happens)] * count
+        "search.evaluate.annotated_takes.composed", lambda count: [marked_take(made_motion(6.0, 0), happens)] * count
     )
     np.save(tmp_path / "a.npy", made_motion(6.0, 1).joints)
     (tmp_path / "manifest.tsv").write_text(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from encoders.errors import BundleError
-from search.evaluate.nonsense import evaluate_nonsense
+from search.evaluate.out_of_domain import evaluate_nonsense
 from tests.search.answers import KnownAnswers
 
 MOTIONS = np.eye(6, dtype=np.float32)[:5]

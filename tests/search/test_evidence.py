@@ -8,7 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from search.evidence import WINDOW_MARGIN, Evidence, best_evidence, best_spans, likeliest, likeliest_in_order
+from search.ranking.clip_scores import (
+    WINDOW_MARGIN,
+    Evidence,
+    best_evidence,
+    best_spans,
+    likeliest,
+    likeliest_in_order,
+)
 
 QUERY = np.array([1.0, 0.0], np.float32)
 

@@ -10,10 +10,10 @@ import pytest
 from encoders.errors import QueryError
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, JOINTS, PARENTS, RAW_OFFSETS
-from indexer import load_motion
-from indexer.readers import read_take
-from search import bvh
-from search.export import write_cut
+from indexer.formats.table import read_take
+from indexer.ingest.load import load_motion
+from search.export import bvh_writer
+from search.export.cut import write_cut
 from search.source import Source
 from tests.search.conftest import made_motion
 
@@ -56,7 +56,7 @@ def test_bones_that_point_straight_against_the_rest_pose(tmp_path: Path) -> None
 def test_a_cut_of_a_bvh_keeps_its_rig_its_rate_and_its_lines(tmp_path: Path) -> None:
     whole, part = tmp_path / "whole.bvh", tmp_path / "part.bvh"
     with whole.open("wb") as file:
-        bvh.write(file, made_motion(6, 3))
+        bvh_writer.write(file, made_motion(6, 3))
     frames, fps = write_cut(Source.of_file(whole), part, 1.5, 4.0)
     assert (frames, fps) == (50, 20.0)
     lines = whole.read_text().splitlines()
@@ -97,7 +97,7 @@ def test_what_was_written_is_read_as_the_same_movement(tmp_path: Path, ending: s
 def test_frames_that_share_lines_cannot_be_cut(tmp_path: Path) -> None:
     path = tmp_path / "one line.bvh"
     with path.open("wb") as file:
-        bvh.write(file, made_motion(2, 3))
+        bvh_writer.write(file, made_motion(2, 3))
     head, _, numbers = path.read_text().rpartition("Frame Time: 0.05\n")
     path.write_text(head + "Frame Time: 0.05\n" + " ".join(numbers.split()))
     with pytest.raises(QueryError, match="one a line"):

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from encoders.drawing.capsules import CAPSULES, aim, capsules
 from encoders.errors import QueryError
-from encoders.figure import CAPSULES, aim, capsules
 from encoders.motion import Motion
-from search import film
-from search.film import write_picture
-from search.raster import FLOOR, Stage
+from search.drawing import film
+from search.drawing.film import write_picture
+from search.drawing.raster import FLOOR, Stage
 from tests.conftest import ROOT
 from tests.search.conftest import Run, made_motion
 

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from encoders.bundle import Bundle
-from search import takes
-from search.engine import SearchableLibrary
+from encoders.bundle.bundle import Bundle
 from search.hits import Hit, Hits
-from search.moments import Moment
+from search.library import SearchableLibrary
+from search.moments import one_take
+from search.moments.localisation import Moment
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def test_every_question_answers_with_hits_that_show_themselves(library: Searchab
 
 def test_a_hit_shows_its_own_span(library: SearchableLibrary) -> None:
     with library:
-        hit = takes.hit(1, library.source("take 3"), Moment(2.0, 5.5, 0.4), "")
+        hit = one_take.hit(1, library.source("take 3"), Moment(2.0, 5.5, 0.4), "")
         assert hit.read is not None
         assert hit.read().duration == pytest.approx(hit.end - hit.start, abs=0.06)
         html = hit._repr_html_()

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from search.hubs import nearness
+from search.ranking.hubness import nearness
 
 
 def unit(*rows: list[float]) -> np.ndarray:

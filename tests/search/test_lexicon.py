@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from search.lexicon import foreign_share, lexicon
+from search.query.known_words import foreign_share, lexicon
 
 KNOWN = lexicon(
     ["a person walks forward", "walk", "someone is dancing", "he raises the left arm, then waves", "circle"]

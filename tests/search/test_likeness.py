@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from encoders.motion import Motion
-from search.likeness import likeness
+from search.ranking.alignment import likeness
 
 
 def _motion(seed: int, frames: int = 80) -> Motion:

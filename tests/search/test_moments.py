@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from search.dense import Scored, curve, every, score_windows
-from search.moments import Moment, localise, score_take
+from search.moments.localisation import Moment, localise, score_take
+from search.moments.window_scores import Scored, curve, every, score_windows
 from search.spans import iou, suppress
 from tests.search.fakes import FPS, MeanEncoder, query, take
 

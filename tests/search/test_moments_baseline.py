@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.bundle import Bundle
-from search.moments_baseline import best_of, best_place, slide
+from encoders.bundle.bundle import Bundle
+from search.evaluate.moments_baseline import best_of, best_place, slide
 from tests.search.conftest import made_motion
 
 

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from search.refine import best_spans, frame_curve, grow
+from search.moments.boundaries import best_spans, frame_curve, grow
 from tests.search.fakes import FPS, MeanEncoder, query, take
 
 

@@ -13,9 +13,9 @@ torch = pytest.importorskip("torch")
 pytestmark = pytest.mark.torch
 
 from encoders.errors import MotionSeekError  # noqa: E402
-from encoders.tmr.network import TMR, Config, Tower  # noqa: E402
-from encoders.tmr.recipe import Recipe  # noqa: E402
-from search.commands.train import begin  # noqa: E402
+from encoders.tmr.model.network import TMR, Config, Tower  # noqa: E402
+from encoders.tmr.training.recipe import Recipe  # noqa: E402
+from search.cli.commands.train import begin  # noqa: E402
 from search.release import mean_weights  # noqa: E402
 
 SMALL = {"width": 8, "layers": 1, "heads": 2, "feedforward": 8}

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from search.cli.terminal import strip
+from search.drawing.plots import plot_moments, plot_poses
 from search.hits import Hit, Step
-from search.question import Question
-from search.render import plot_moments, plot_poses
+from search.query.question import Question
 from search.source import Source
-from search.terminal import strip
 from tests.search.conftest import made_motion
 
 

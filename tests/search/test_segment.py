@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from search.annotations import as_babel, as_document, as_eaf, as_tsv
-from search.segment import UNKNOWN, Segment, best_path
+from search.export.annotations import as_babel, as_document, as_eaf, as_tsv
+from search.moments.segments import UNKNOWN, Segment, best_path
 
 SEGMENTS = [Segment(0, 2.5, "walk", 0.7), Segment(2.5, 4, UNKNOWN, 0.0), Segment(4, 6, "sit <down> & wave", 0.5)]
 

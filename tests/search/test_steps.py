@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from encoders.errors import QueryError
-from search.chains import best_chain, candidates, sharpen_chain
-from search.question import Question
+from search.moments.sequences import best_chain, candidates, sharpen_chain
+from search.query.question import Question
+from search.query.steps import GAP_COST, LARGEST_GAP_COST, in_order, split
 from search.spans import iou
-from search.steps import GAP_COST, LARGEST_GAP_COST, in_order, split
 from tests.search.fakes import FPS, MeanEncoder, query, take
 
 

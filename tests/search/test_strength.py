@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from search import strength
-from search.lexicon import lexicon
+from search.query.known_words import lexicon
+from search.ranking import strength
 
 
 def _unit(rows: np.ndarray) -> np.ndarray:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from search import terminal
+from search.cli import terminal
 from search.hits import Hit
-from search.question import Question
+from search.query.question import Question
 
 NAME = "sehr langer Ordner/モーション_歩く_とても長い名前_final_v2.bvh"
 

@@ -10,9 +10,8 @@ import pytest
 
 from encoders.corpus.language import HeldOut
 from encoders.errors import QueryError
-from encoders.kinds import FEATURE_KINDS
-from indexer import captioned
-from search.commands.train import real_stores
+from encoders.features.registry import FEATURE_KINDS
+from search.cli.commands.train import real_stores
 from tests.search.conftest import Run, made_motion
 
 HEADER = "path\ttrial\tkind\tsplit\tuse\tfps_in_file\tfps_true\tdescription\n"
@@ -30,7 +29,7 @@ def people(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]
     ]
     captions = tmp_path / "captions.jsonl"
     captions.write_text("\n".join(map(json.dumps, lines)), "utf-8")
-    monkeypatch.setattr(captioned, "load_motion", lambda path, fps=None: made_motion(4, 0))
+    monkeypatch.setattr("indexer.datasets.captioned_takes.load_motion", lambda path, fps=None: made_motion(4, 0))
     return tmp_path, captions
 
 

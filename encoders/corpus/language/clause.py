@@ -11,7 +11,7 @@ from encoders.corpus.language.choice import Chance, pick, pick_early
 from encoders.corpus.language.lexicon import FIELDS, LIMBS, Phrase, entry_of, modifier, phrases_for
 from encoders.corpus.language.subjects import Subject
 from encoders.corpus.scene import Step
-from encoders.words import indefinite, inflect, number_word, times
+from encoders.english import indefinite, inflect, number_word, times
 
 SAID = 0.85  # share of the set fields that a caption names
 _SLOT = re.compile(r"\{(\w+)(?::([^}]+))?\}")

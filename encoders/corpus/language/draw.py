@@ -8,8 +8,8 @@ from functools import cache
 
 from numpy.random import Generator
 
+from encoders.corpus.actions.programs import Program, programs, sample_step
 from encoders.corpus.language.lexicon import FOLDER, entry_of
-from encoders.corpus.programs import Program, programs, sample_step
 from encoders.corpus.scene import Scene, Step
 
 _LENGTHS = (0.5, 0.28, 0.15, 0.07)  # share of scenes with 1, 2, 3 and 4 steps in sequence

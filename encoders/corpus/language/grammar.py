@@ -15,7 +15,7 @@ from encoders.corpus.language.lexicon import modifier
 from encoders.corpus.language.sloppy import sloppy
 from encoders.corpus.language.subjects import Subject, draw_subject, nobody, with_adjective
 from encoders.corpus.scene import Scene, Step
-from encoders.words import plural_form
+from encoders.english import plural_form
 
 Group = tuple[Step, ...]
 _KINDS = ("sentence", "fragment", "label", "part")

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from encoders.corpus.language.lexicon import entries
-from encoders.corpus.language.reading import read
+from encoders.corpus.language.parsing import read
 
 _WORD = re.compile(r"[a-z']+")
 

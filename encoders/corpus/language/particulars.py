@@ -8,7 +8,7 @@ from functools import cache
 
 from encoders.corpus.language.lexicon import modifiers
 from encoders.corpus.language.normal import patterns
-from encoders.words import NUMBER_VALUES
+from encoders.english import NUMBER_VALUES
 
 _HIS = r"(?:the|his|her|their|its|there|own|a|one'?s?)"
 _LIMB = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from encoders.corpus.language.choice import Chance, pick, pick_weighted
-from encoders.words import indefinite
+from encoders.english import indefinite
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from encoders.corpus.actions.programs import programs
 from encoders.corpus.language.choice import Chance, pick
-from encoders.corpus.programs import programs
 from encoders.corpus.scene import Scene, Step
 
 _OPPOSITE_SIDE = {"left": "right", "right": "left"}

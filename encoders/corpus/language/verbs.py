@@ -11,11 +11,11 @@ import re
 from dataclasses import dataclass
 from functools import cache
 
+from encoders.corpus.actions.programs import Program, programs
 from encoders.corpus.language.lexicon import FOLDER, entry_of
 from encoders.corpus.language.particulars import Particulars
-from encoders.corpus.programs import Program, programs
 from encoders.corpus.scene import Step
-from encoders.words import NUMBER_VALUES, gerund, past, third_person
+from encoders.english import NUMBER_VALUES, gerund, past, third_person
 
 _PARTICIPLES = {
     "raise": ["risen"], "rise": ["risen"], "throw": ["thrown"], "run": ["run"], "go": ["gone"], "take": ["taken"],

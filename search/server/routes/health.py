@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Response
 
-from search.server import documents, metrics
+from search.server import documents, prometheus
 from search.server.documents import answer
-from search.server.errors import ANY, ok
+from search.server.error_responses import ANY, ok
 from search.server.state import State
 
 
@@ -31,8 +31,8 @@ def routes(state: State) -> APIRouter:
             "motionseek_sentence_batches_total": ("counter", "Batches of new sentences.", sentences.batches),
             "motionseek_sentences_total": ("counter", "New sentences encoded.", sentences.items),
             "motionseek_uploads_refused_total": ("counter", "Uploads refused.", state.uploads.refused),
-            "motionseek_resident_bytes": ("gauge", "Memory held.", metrics.resident_bytes()),
+            "motionseek_resident_bytes": ("gauge", "Memory held.", prometheus.resident_bytes()),
         }
-        return Response(state.metrics.text(gauges), media_type=metrics.CONTENT_TYPE)
+        return Response(state.metrics.text(gauges), media_type=prometheus.CONTENT_TYPE)
 
     return router

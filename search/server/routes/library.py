@@ -7,11 +7,12 @@ from importlib.metadata import version
 
 from fastapi import APIRouter, Response
 
-from search.server import documents, layout
+from search.map import layout
+from search.query.vocabulary import vocabulary
+from search.server import documents
 from search.server.documents import answer, encoded
-from search.server.errors import ANY, ok
+from search.server.error_responses import ANY, ok
 from search.server.state import State
-from search.vocabulary import vocabulary
 
 
 def routes(state: State) -> APIRouter:

@@ -14,11 +14,11 @@ from starlette.background import BackgroundTask
 from encoders.errors import QueryError
 from encoders.motion import FPS, Motion
 from encoders.skeleton import JOINTS, PARENTS
-from indexer.clips import Clip
-from search.export import write_cut
+from indexer.store.clips import Clip
+from search.export.cut import write_cut
 from search.server import documents, joints
 from search.server.documents import answer
-from search.server.errors import ANY, NO_CLIP, ok
+from search.server.error_responses import ANY, NO_CLIP, ok
 from search.server.parameters import ClipRef, Count, Filters, Span
 from search.server.state import State
 from search.server.uploads import Upload

@@ -7,15 +7,15 @@ from typing import Annotated, Any, cast
 
 from fastapi import APIRouter, Query, Request, Response
 
-from search.question import Question
+from search.moments.one_take import curves, describe_motion, moments_in
+from search.query.question import Question
 from search.server import documents
 from search.server.documents import encoded
-from search.server.errors import ANY, NO_CLIP, UPLOAD, ok
+from search.server.error_responses import ANY, NO_CLIP, UPLOAD, ok
 from search.server.parameters import ClipRef, Count, FileName, Filters, NearOffset, Offset, Sentence, Sentences, Span
 from search.server.served import Search
 from search.server.state import State
 from search.source import Source
-from search.takes import curves, describe_motion, moments_in
 
 Given = dict[str, Any]
 

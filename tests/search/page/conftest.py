@@ -19,7 +19,7 @@ pytest.importorskip("playwright.sync_api")
 import uvicorn
 from playwright.sync_api import sync_playwright
 
-from encoders.bundle import Bundle
+from encoders.bundle.bundle import Bundle
 from search.server.app import create_app
 from search.server.served import ServedLibrary
 

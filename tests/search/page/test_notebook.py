@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from encoders.player import player
+from encoders.drawing.player import player
 from search.hits import Hit, Hits
 from tests.search.conftest import made_motion
 

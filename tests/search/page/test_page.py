@@ -10,8 +10,8 @@ from urllib.parse import parse_qs, urlsplit
 import numpy as np
 import pytest
 
-from indexer import ingest
-from search import bvh
+from indexer.ingest import indexing
+from search.export import bvh_writer
 from tests.search.conftest import made_motion
 from tests.search.page.conftest import serving
 
@@ -165,7 +165,7 @@ def test_the_cut_is_exported(opened, ending):
 def test_a_dropped_file_is_described_and_finds_what_is_like_it(opened, tmp_path):
     page = opened()
     with (tmp_path / "mine.bvh").open("wb") as file:
-        bvh.write(file, made_motion(3.0, 5))
+        bvh_writer.write(file, made_motion(3.0, 5))
     dropped = page.evaluate_handle(
         "text => { const data = new DataTransfer(); data.items.add(new File([text], 'mine.bvh')); return data }",
         (tmp_path / "mine.bvh").read_text(),
@@ -217,7 +217,7 @@ def test_a_narrow_screen_needs_no_sideways_scrolling(opened):
 
 
 def test_an_empty_library_says_what_to_do(opened, tmp_path, bundle):
-    ingest.index(tmp_path, bundle=bundle, jobs=1)
+    indexing.index(tmp_path, bundle=bundle, jobs=1)
     with serving(tmp_path, bundle) as address:
         page = opened(at=address)
         assert "motionseek index" in page.locator("#notice").inner_text()
@@ -248,7 +248,7 @@ def test_script_in_captions_and_names_stays_text(opened, tmp_path, bundle):
     name = "<b onclick=alert(1)>take&amp;.npy"
     np.save(tmp_path / name, made_motion(3.0, 1).joints)
     (tmp_path / name.replace(".npy", ".txt")).write_text(attack, encoding="utf-8")
-    ingest.index(tmp_path, bundle=bundle, jobs=1)
+    indexing.index(tmp_path, bundle=bundle, jobs=1)
     with serving(tmp_path, bundle) as address:
         page = opened("q=walks", at=address)
         page.wait_for_selector(".card .file")
@@ -307,8 +307,8 @@ def test_what_is_alike_goes_on_and_a_rig_narrows_it(opened, tmp_path, bundle):
     for i in range(27):
         np.save(tmp_path / f"{i:02}.npy", made_motion(1.0, i).joints)
     with (tmp_path / "other.bvh").open("wb") as file:
-        bvh.write(file, made_motion(1.0, 5))
-    ingest.index(tmp_path, bundle=bundle, jobs=1)
+        bvh_writer.write(file, made_motion(1.0, 5))
+    indexing.index(tmp_path, bundle=bundle, jobs=1)
     with serving(tmp_path, bundle) as address:
         page = opened("like=1", at=address)
         assert page.locator(_CARDS).count() == 24
@@ -324,7 +324,7 @@ def test_what_is_alike_goes_on_and_a_rig_narrows_it(opened, tmp_path, bundle):
 
 def test_the_time_line_of_a_long_take_is_zoomed_and_follows_the_head(opened, tmp_path, bundle):
     np.save(tmp_path / "long.npy", made_motion(240.0, 1).joints)
-    ingest.index(tmp_path, bundle=bundle, jobs=1)
+    indexing.index(tmp_path, bundle=bundle, jobs=1)
     with serving(tmp_path, bundle) as address:
         page = opened("clip=1&q=walks", at=address)
         page.wait_for_selector(".track .moment")

@@ -15,7 +15,7 @@ pytest.importorskip("httpx")
 
 from starlette.testclient import TestClient
 
-from encoders.bundle import Bundle
+from encoders.bundle.bundle import Bundle
 from search.server.app import create_app
 from search.server.served import ServedLibrary
 

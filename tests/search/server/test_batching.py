@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 import pytest
 
-from search.server.batching import Batcher, Overloaded
 from search.server.cache import Cache
+from search.server.request_batches import Batcher, Overloaded
 from search.server.served import Search, ServedLibrary
 
 

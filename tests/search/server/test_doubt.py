@@ -10,8 +10,8 @@ pytest.importorskip("httpx")
 
 from starlette.testclient import TestClient
 
-from encoders.bundle import Bundle
-from search.lexicon import lexicon
+from encoders.bundle.bundle import Bundle
+from search.query.known_words import lexicon
 from search.server.app import create_app
 from search.server.served import ServedLibrary
 

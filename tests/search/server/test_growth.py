@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from indexer import ingest
+from indexer.ingest import indexing
 from search.server.served import Search, ServedLibrary
 from tests.search.conftest import made_motion
 
@@ -25,7 +25,7 @@ def test_what_is_indexed_is_found_without_a_restart(served, bundle, tmp_path: Pa
     client, folder = served(), tmp_path / "takes"
     before = client.get("/api/search", params={"q": "walks", "k": 20}).json()["hits"]
     np.save(folder / "new.npy", made_motion(5.0, 77).joints)
-    ingest.index(folder, bundle=bundle, jobs=1)
+    indexing.index(folder, bundle=bundle, jobs=1)
     _wait_for(client, 6)
     after = client.get("/api/search", params={"q": "walks", "k": 20}).json()["hits"]
     assert {hit["path"] for hit in after} - {hit["path"] for hit in before} == {"new.npy"}
@@ -36,7 +36,7 @@ def test_what_is_gone_is_found_no_more(served, bundle, tmp_path: Path):
     client, folder = served(), tmp_path / "takes"
     assert len(client.get("/api/search", params={"q": "walks"}).json()["hits"]) == 5
     (folder / "take 2.npy").unlink()
-    ingest.index(folder, bundle=bundle, jobs=1)
+    indexing.index(folder, bundle=bundle, jobs=1)
     _wait_for(client, 4)
     hits = client.get("/api/search", params={"q": "walks"}).json()["hits"]
     assert "take 2.npy" not in [hit["path"] for hit in hits]
@@ -47,7 +47,7 @@ def test_a_clip_that_goes_between_two_looks_is_left_out(served, bundle, tmp_path
     folder = tmp_path / "takes"
     with ServedLibrary.open(folder, bundle=bundle) as library:  # watches for nothing
         (folder / "take 2.npy").unlink()
-        ingest.index(folder, bundle=bundle, jobs=1)
+        indexing.index(folder, bundle=bundle, jobs=1)
         assert len(library) == 5
         (found,) = library.search_all([Search("walks", 10)])
     assert not isinstance(found, Exception)
@@ -58,10 +58,10 @@ def test_indexing_goes_on_while_searches_are_answered(served, bundle, tmp_path: 
     client, folder = served(), tmp_path / "takes"
     for seed in range(6):
         np.save(folder / f"new {seed}.npy", made_motion(3.0, 100 + seed).joints)
-    indexing = threading.Thread(target=ingest.index, args=(folder,), kwargs={"bundle": bundle, "jobs": 1})
-    indexing.start()
+    indexer = threading.Thread(target=indexing.index, args=(folder,), kwargs={"bundle": bundle, "jobs": 1})
+    indexer.start()
     codes = set()
-    while indexing.is_alive():
+    while indexer.is_alive():
         codes.add(client.get("/api/search", params={"q": f"walks {time.monotonic()}"}).status_code)
     assert codes == {200}
     _wait_for(client, 11)
@@ -91,7 +91,7 @@ def test_what_is_remembered_of_a_clip_outlives_growth_and_not_a_change_of_the_cl
         (folder / "take 1.txt").write_text("a person hops\n", encoding="utf-8")
         ids = {path: clip.id for path, clip in clips.items()}
         said = library.captions(ids["take 1.npy"])
-        ingest.index(folder, bundle=bundle, jobs=1)
+        indexing.index(folder, bundle=bundle, jobs=1)
         assert library.refresh()
         now = library.clips(ids.values())
         assert now[ids["take 1.npy"]] is clips["take 1.npy"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from search.server import layout
+from search.map import layout
 
 
 def _groups(count: int, each: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from encoders.skeleton import JOINTS
-from indexer.library import Library
-from indexer.readers import read_take
+from indexer.formats.table import read_take
+from indexer.store.stored_library import Library
 from search.server import joints
 
 BVH, LONG, CAPTIONED = "deep er/bücken.bvh", "take 3.npy", "take 1.npy"

@@ -16,10 +16,12 @@ from pathlib import Path
 
 import pytest
 
-from search.server import run as running
-from search.server.run import PortTaken, address, listen
+from search.server import listen as running
+from search.server.listen import PortTaken, address, listen
 
-_PROGRAM = "import sys, encoders.bundle; encoders.bundle.DEFAULT = __import__('pathlib').Path(sys.argv.pop(1)); "
+_PROGRAM = (
+    "import sys, encoders.bundle.bundle; encoders.bundle.bundle.DEFAULT = __import__('pathlib').Path(sys.argv.pop(1)); "
+)
 Started = Callable[..., Iterator[tuple[subprocess.Popen[str], str]]]
 
 
@@ -29,7 +31,7 @@ def started(indexed: Path, tiny_bundle: Path) -> Callable[..., object]:
 
     @contextmanager
     def start(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
-        program = _PROGRAM + "from search.cli import main; main(['serve', *sys.argv[1:]])"
+        program = _PROGRAM + "from search.cli.main import main; main(['serve', *sys.argv[1:]])"
         process = subprocess.Popen(
             [sys.executable, "-c", program, str(tiny_bundle), str(indexed), *arguments],
             stdout=subprocess.PIPE,

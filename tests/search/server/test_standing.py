@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
-from encoders.bundle import Bundle
-from indexer import ingest
-from search.engine import SearchableLibrary
+from encoders.bundle.bundle import Bundle
+from indexer.ingest import indexing
+from search.library import SearchableLibrary
 from search.server import documents
+from search.server.answer_cache import Grounds, StandingAnswers
 from search.server.app import create_app
 from search.server.served import ServedLibrary
-from search.server.standing import Grounds, StandingAnswers
 from tests.search.conftest import made_motion
 
 NONE = np.zeros((0, 2), np.float32)
@@ -82,7 +82,7 @@ def test_what_stands_is_what_a_fresh_search_finds(indexed: Path, bundle: Bundle,
                 (folder / "new 2.npy").unlink()  # the newest of the clips
             if seed == 4:
                 (folder / "take 1.txt").write_text("a person hops\n", encoding="utf-8")
-            ingest.index(folder, bundle=bundle, jobs=1)
+            indexing.index(folder, bundle=bundle, jobs=1)
             assert library.refresh()
             stood.append(len(library.standing))
             after = answers()
@@ -108,7 +108,7 @@ def test_captions_that_change_places_are_seen(indexed: Path, bundle: Bundle, tmp
 
     def say(rows: list[str]) -> None:
         (folder / "captions.tsv").write_text("\n".join(["path\ttext", *rows]), encoding="utf-8")
-        ingest.index(folder, bundle=bundle, jobs=1)
+        indexing.index(folder, bundle=bundle, jobs=1)
 
     say(["take 0.npy\tsomeone turns", "take 2.npy\tsomeone bends"])
     library = ServedLibrary.open(folder, bundle=bundle)

@@ -224,14 +224,14 @@ def test_every_answer_is_guarded(client, number):
 def test_script_in_names_and_captions_stays_text(served, bundle, tmp_path: Path):
     import shutil
 
-    from indexer import ingest
+    from indexer.ingest import indexing
 
     client = served()
     folder = tmp_path / "takes"
     # A file name cannot hold a slash; a caption can hold anything.
     shutil.copy(folder / "take 1.npy", folder / '<img src=x onerror="alert(1)">.npy')
     (folder / '<img src=x onerror="alert(1)">.txt').write_text(SCRIPT, encoding="utf-8")
-    ingest.index(folder, bundle=bundle, jobs=1)
+    indexing.index(folder, bundle=bundle, jobs=1)
     other = served()
     response = other.get("/api/search", params={"q": "walks", "k": 10})
     hit = next(hit for hit in response.json()["hits"] if hit["path"].startswith("<img"))

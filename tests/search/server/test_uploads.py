@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from starlette.requests import Request
 
-from search import bvh
-from search.server import joints, reading
-from search.server.errors import Refused
+from search.export import bvh_writer
+from search.server import joints, upload_reading
+from search.server.error_responses import Refused
 from search.server.uploads import Limits, Uploads
 from tests.search.conftest import made_motion
 
@@ -22,7 +22,7 @@ from tests.search.conftest import made_motion
 def dance() -> bytes:
     """A motion file of three seconds."""
     file = io.BytesIO()
-    bvh.write(file, made_motion(3.0, 5))
+    bvh_writer.write(file, made_motion(3.0, 5))
     return file.getvalue()
 
 
@@ -199,9 +199,9 @@ def test_nothing_is_left_on_disk(served, dance, tmp_path, monkeypatch):
 
 
 def test_the_longest_upload_is_two_hours(monkeypatch):
-    monkeypatch.setattr("indexer.worker.read", lambda *_: (made_motion(3.0, 5), "rig"))
-    monkeypatch.setattr(reading, "_limit", lambda: None)
-    assert len(reading.read("x.bvh", None, None)[0]) == 60
-    monkeypatch.setattr(reading, "MOST_FRAMES", 59)
+    monkeypatch.setattr("indexer.ingest.worker.read", lambda *_: (made_motion(3.0, 5), "rig"))
+    monkeypatch.setattr(upload_reading, "_limit", lambda: None)
+    assert len(upload_reading.read("x.bvh", None, None)[0]) == 60
+    monkeypatch.setattr(upload_reading, "MOST_FRAMES", 59)
     with pytest.raises(MemoryError):
-        reading.read("x.bvh", None, None)
+        upload_reading.read("x.bvh", None, None)

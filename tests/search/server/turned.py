@@ -6,7 +6,7 @@ import os
 import time
 
 from encoders.motion import Motion
-from search.server.reading import _limit
+from search.server.upload_reading import _limit
 
 
 def hangs(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tuple[Motion, str]:

@@ -1,0 +1,229 @@
+"""A model bundle at work: motions and sentences become unit vectors, with onnxruntime and tokenizers alone."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.bundle.batching import length_buckets, pad
+from encoders.bundle.manifest import CALIBRATION, MOTION, TEXT, TOKENIZER, Manifest, read_manifest
+from encoders.errors import BundleError
+from encoders.features.registry import FEATURE_KINDS
+from encoders.motion import Motion
+
+if TYPE_CHECKING:
+    from onnxruntime import InferenceSession
+    from tokenizers import Tokenizer
+
+Array = NDArray[np.float32]
+
+DEFAULT = Path(__file__).parent / "default"
+
+#: Frames and tokens a batch holds: enough for full matrix products, little enough to stay in the cores' caches.
+_FRAMES_A_BATCH = 512
+_TOKENS_A_BATCH = 512
+#: A vocabulary to describe with, and what was asked lately in all its wordings: 4 MB.
+_SENTENCES_KEPT = 4096
+
+
+class Bundle:
+    """A loaded bundle; `Bundle.load` makes one. Safe to share between threads.
+
+    Attributes
+    ----------
+    name, fingerprint : str
+        Two bundles of one fingerprint give the same vectors.
+    fps : float
+        Feature frames a second.
+    max_frames : int
+        Longest motion, in feature frames, that passes the encoder as a whole.
+    latent_size : int
+        Numbers a vector.
+    manifest : mapping
+        All that manifest.json says.
+    """
+
+    def __init__(self, folder: Path, manifest: Manifest, threads: int | None = None) -> None:
+        self.folder = folder
+        self.name = manifest.name
+        self.fingerprint = manifest.fingerprint
+        self.feature_kind = manifest.feature_kind
+        self.fps = FEATURE_KINDS[manifest.feature_kind].fps
+        self.max_frames = manifest.max_frames
+        self.latent_size = manifest.latent_size
+        self.manifest: Mapping[str, Any] = manifest.values
+        self._threads = threads
+        self._lock = threading.RLock()
+        self._sessions: dict[str, InferenceSession] = {}
+        self._sentences: OrderedDict[str, Array] = OrderedDict()
+
+    @classmethod
+    def load(cls, folder: str | Path | None = None, *, threads: int | None = None) -> Bundle:
+        """Open a bundle folder, None for the default one, and check it.
+
+        Graphs are loaded when first needed: who only encodes motions never pays for the language model.
+
+        Parameters
+        ----------
+        threads : int, optional
+            Threads of each graph; by default one a core.
+
+        Raises
+        ------
+        BundleError
+            If the folder is no bundle or is damaged; see `read_manifest`.
+        """
+        folder = DEFAULT if folder is None else Path(folder)
+        return cls(folder, read_manifest(folder), threads)
+
+    @cached_property
+    def calibration(self) -> dict[str, NDArray[Any]] | None:
+        """The arrays shipped to judge scores by, if any; halves are widened here, not again for every question."""
+        if CALIBRATION not in self.manifest["files"]:
+            return None
+        try:
+            with np.load(self.folder / CALIBRATION, allow_pickle=False) as arrays:
+                return {name: a.astype(np.float32) if a.dtype == np.float16 else a for name, a in arrays.items()}
+        except (OSError, ValueError) as error:
+            raise BundleError(f"{self.folder / CALIBRATION}: cannot be read ({error})") from error
+
+    def features(self, motion: Motion) -> Array:
+        """The features (T', F) this model reads; windows of the motion are slices of them."""
+        return FEATURE_KINDS[self.feature_kind].compute(motion)
+
+    def encode_features(self, features: Sequence[Array]) -> Array:
+        """Unit vectors (N, D) of N feature sequences (T', F) of any lengths, each encoded as a whole."""
+        for sequence in features:
+            self._check(sequence)
+        latents = np.empty((len(features), self.latent_size), np.float32)
+        for batch in length_buckets([len(sequence) for sequence in features], _FRAMES_A_BATCH):
+            latents[batch] = self._encode(*pad([features[i] for i in batch]))
+        return latents
+
+    def encode_windows(self, features: Array, starts: NDArray[np.integer], length: int) -> Array:
+        """Unit vectors (N, D) of the windows ``features[start : start + length]``; memory does not grow with N."""
+        self._check(features)
+        starts = np.asarray(starts, np.int64)
+        if length < 1 or (len(starts) and (starts.min() < 0 or starts.max() + length > len(features))):
+            raise ValueError(f"windows of {length} frames must lie inside the {len(features)} frames")
+        latents = np.empty((len(starts), self.latent_size), np.float32)
+        size = max(1, _FRAMES_A_BATCH // length)
+        for first in range(0, len(starts), size):
+            batch = starts[first : first + size]
+            windows = features[batch[:, None] + np.arange(length)]
+            latents[first : first + size] = self._encode(windows, np.full(len(batch), length, np.int64))
+        return latents
+
+    def encode_motions(self, motions: Sequence[Motion]) -> Array:
+        """Unit vectors (N, D); a motion too long for the model is the mean of its half-overlapping windows."""
+        features = [self.features(motion) for motion in motions]
+        fits = [i for i, sequence in enumerate(features) if len(sequence) <= self.max_frames]
+        latents = np.empty((len(features), self.latent_size), np.float32)
+        latents[fits] = self.encode_features([features[i] for i in fits])
+        for i in sorted(set(range(len(features))) - set(fits)):
+            starts = half_overlapping(len(features[i]), self.max_frames)
+            mean = self.encode_windows(features[i], starts, self.max_frames).mean(axis=0, keepdims=True)
+            latents[i] = _unit(mean)[0]
+        return latents
+
+    def encode_texts(self, sentences: Sequence[str]) -> Array:
+        """Unit vectors (N, D) of N sentences; those asked lately are remembered."""
+        with self._lock:
+            known = {sentence: self._sentences.get(sentence) for sentence in sentences}
+        new = [sentence for sentence, latent in known.items() if latent is None]
+        known.update(zip(new, self._encode_new_texts(new), strict=True))
+        with self._lock:
+            for sentence in sentences:
+                self._sentences[sentence] = known[sentence]  # type: ignore[assignment]
+                self._sentences.move_to_end(sentence)
+            while len(self._sentences) > _SENTENCES_KEPT:
+                self._sentences.popitem(last=False)
+        return np.array([known[sentence] for sentence in sentences], np.float32).reshape(-1, self.latent_size)
+
+    def _encode_new_texts(self, sentences: Sequence[str]) -> Array:
+        latents = np.empty((len(sentences), self.latent_size), np.float32)
+        if not sentences:
+            return latents
+        ids = [np.array(encoding.ids, np.int64) for encoding in self._tokenizer.encode_batch(list(sentences))]
+        for batch in length_buckets([len(row) for row in ids], _TOKENS_A_BATCH):
+            padded, lengths = pad([ids[i] for i in batch])
+            mask = (np.arange(padded.shape[1]) < lengths[:, None]).astype(np.int64)
+            latents[batch] = _unit(self._session(TEXT).run(None, {"input_ids": padded, "attention_mask": mask})[0])
+        return latents
+
+    def _check(self, features: Array) -> None:
+        size = FEATURE_KINDS[self.feature_kind].size
+        if features.ndim != 2 or features.shape[1] != size or len(features) == 0:
+            raise ValueError(f"features {features.shape} must be (T', {size}) with T' >= 1")
+
+    def _encode(self, features: Array, lengths: NDArray[np.int64]) -> Array:
+        feed = {"features": np.asarray(features, np.float32), "lengths": lengths}
+        return _unit(self._session(MOTION).run(None, feed)[0])
+
+    def _session(self, name: str) -> InferenceSession:
+        with self._lock:
+            if name not in self._sessions:
+                session = open_session(self.folder / name, self._threads)
+                size = FEATURE_KINDS[self.feature_kind].size
+                inputs = {
+                    MOTION: {"features": [None, None, size], "lengths": [None]},
+                    TEXT: {"input_ids": [None, None], "attention_mask": [None, None]},
+                }
+                found = {node.name: _fixed(node.shape) for node in session.get_inputs()}
+                if found != inputs[name] or _fixed(session.get_outputs()[0].shape) != [None, self.latent_size]:
+                    raise BundleError(f"{self.folder / name}: does not fit its manifest, or other features than ours")
+                self._sessions[name] = session
+            return self._sessions[name]
+
+    @cached_property
+    def _tokenizer(self) -> Tokenizer:
+        from tokenizers import Tokenizer
+
+        path = self.folder / TOKENIZER
+        try:
+            tokenizer = Tokenizer.from_str(path.read_text("utf-8"))
+        except Exception as error:  # tokenizers raises plain Exception
+            raise BundleError(f"{path}: cannot be read ({error})") from error
+        tokenizer.no_padding()
+        return tokenizer
+
+
+def open_session(path: Path, threads: int | None = None) -> InferenceSession:
+    """An onnxruntime session on the CPU; weights stored small are turned to floating point here, once."""
+    # Nothing leaves this machine: onnxruntime would report its use unless told so before it is loaded.
+    os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
+    import onnxruntime
+
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = threads or 0
+    options.log_severity_level = 3
+    options.add_session_config_entry("session.disable_quant_qdq", "1")  # fold DequantizeLinear into the weights
+    # Threads that spin while they wait take the cores from readers and other requests: twice the CPU time, and slower.
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    try:
+        return onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
+    except Exception as error:  # onnxruntime's errors have no common base but Exception
+        raise BundleError(f"{path}: onnxruntime cannot load it ({error})") from error
+
+
+def half_overlapping(frames: int, length: int) -> NDArray[np.int64]:
+    """Starts of windows of `length` that cover `frames`, half a length apart; the last ends where the frames end."""
+    last = max(frames - length, 0)
+    return np.append(np.arange(0, last, max(length // 2, 1)), last)
+
+
+def _fixed(shape: Sequence[int | str]) -> list[int | None]:
+    """A graph's shape with None for every free dimension."""
+    return [size if isinstance(size, int) else None for size in shape]
+
+
+def _unit(vectors: Array) -> Array:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12), np.float32)

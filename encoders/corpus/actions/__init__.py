@@ -1,0 +1,1 @@
+"""What the corpus can act out: one module a family of actions, and the registry of their programs."""

@@ -1,0 +1,249 @@
+"""Leaving the ground: jumps, hops, leaps, hurdles."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.random import Generator
+
+from encoders.corpus.actions.programs import AMPLITUDES, program
+from encoders.corpus.engine.curves import ANKLE, HIP, LEFT, LEGS, RIGHT, SIDES, STAND, Array, Curves, ease, standing
+from encoders.corpus.engine.gait import PAD, Gait, step_along, swing_arms
+from encoders.corpus.engine.style import Manner
+from encoders.corpus.engine.trajectories import TURN, effort, travel
+from encoders.corpus.scene import Step
+from encoders.motion import FPS
+
+_GRAVITY = 9.81
+
+
+def _jumps(
+    manner: Manner,
+    rng: Generator,
+    count: int,
+    *,
+    height: float,
+    stride: Array,
+    angle: float,
+    tuck: float,
+    wind_up: float,
+) -> Curves:
+    """Both-footed jumps in a row.
+
+    Parameters
+    ----------
+    height : float
+        Rise of the hips in metres.
+    stride : (2,)
+        x and z of one jump, in the frame it starts in.
+    angle : float
+        Turn in the air.
+    tuck : float
+        How far the feet are drawn up.
+    wind_up : float
+        Seconds of crouching before the jump.
+    """
+    flight = 2 * np.sqrt(2 * height / _GRAVITY)
+    push, landing = 0.16, rng.uniform(0.3, 0.45)
+    bounds = np.array([0.0, wind_up, wind_up + push, wind_up + push + flight])
+    period = bounds[-1] + landing
+    frames = max(int(period * count * FPS) + 1, 8)
+    time = np.arange(frames) / FPS
+    number = np.minimum((time / period).astype(np.int64), count - 1)
+    local = time - number * period
+    crouch, rise = local / wind_up, (local - bounds[1]) / push
+    air, land = np.clip((local - bounds[2]) / flight, 0.0, 1.0), (local - bounds[3]) / landing
+    depth = rng.uniform(0.14, 0.28)
+    sink = ease(crouch) * (1 - ease(rise)) + 0.75 * ease(land / 0.35) * (1 - ease((land - 0.35) / 0.65)) * (air >= 1)
+    up = height * 4 * air * (1 - air)
+    # The hips lead at take-off and trail the feet at landing.
+    gone = number + 0.22 * ease(rise) + 0.6 * air + 0.18 * ease(land / 0.5) * (air >= 1)
+    turned = angle * (number + ease(air))
+    landed = number + ease((air - 0.1) / 0.8)
+    start = angle * np.arange(count + 1)
+    spots = np.concatenate(
+        [np.zeros((1, 2)), np.cumsum([[stride[0] * np.cos(a) + stride[1] * np.sin(a),
+                                       stride[1] * np.cos(a) - stride[0] * np.sin(a)] for a in start[:-1]], axis=0)]
+    )  # fmt: skip
+    at = np.arange(count + 1)
+    curves = standing(frames)
+    curves.heading[:] = turned
+    for axis, column in ((0, 0), (2, 1)):
+        curves.root[:, axis] = np.interp(gone, at, spots[:, column])
+    curves.root[:, 1] = STAND - depth * sink + up + 0.06 * ease(rise) * (air <= 0) + 0.06 * (air > 0) * (1 - air)
+    centre = np.stack([np.interp(landed, at, spots[:, 0]), np.interp(landed, at, spots[:, 1])], axis=1)
+    apart = HIP * rng.uniform(0.9, 1.5)
+    toes = ease((rise - 0.4) / 0.6) * (1 - ease(air / 0.7)) * (land <= 0)
+    for side, sign in ((LEFT, 1.0), (RIGHT, -1.0)):
+        curves.feet[:, side, 0] = centre[:, 0] + sign * apart * np.cos(turned)
+        curves.feet[:, side, 2] = centre[:, 1] - sign * apart * np.sin(turned)
+        curves.feet[:, side, 1] = ANKLE + up + tuck * np.sin(np.pi * air) + 0.09 * toes
+        curves.foot_pitch[:, side] = -0.8 * toes
+    curves.foot_yaw[:] += turned[:, None]
+    bow = rng.uniform(0.25, 0.8) * sink
+    curves.spine[:, 0] = 0.5 * bow
+    curves.pelvis[:, 0] = 0.5 * bow
+    curves.head[:, 0] = -0.5 * bow
+    lift = rng.choice([rng.uniform(0.2, 1.0), rng.uniform(0.8, 2.6)]) * float(np.clip(manner.factor("reach"), 0.5, 1.3))
+    swing = -rng.uniform(0.3, 1.0) * ease(crouch) * (1 - ease(rise * 0.9)) + lift * ease(rise) * (1 - ease(land + 0.35))
+    swing_arms(curves, swing[:, None] + np.zeros(2), np.full((frames, 2), rng.uniform(0.3, 0.7)), 0.16)
+    return curves
+
+
+_RISE = {
+    "low": (0.05, 0.12),
+    "small": (0.05, 0.12),
+    "": (0.09, 0.3),
+    "middle": (0.15, 0.3),
+    "large": (0.35, 0.5),
+    "high": (0.35, 0.5),
+}
+
+
+@program(
+    "jump", group="locomotion", directions=("up", "forward", "backward", "left", "right", "in place", "around"),
+    amplitudes=AMPLITUDES, heights=("low", "high"), counts=(1, 6), weight=3,
+)  # fmt: skip
+def jump(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+    """Jump with both feet, once or several times."""
+    count = step.count or int(rng.choice([1, 1, 2, 3]))
+    far = {"small": 0.5, "": 1.0, "large": 1.5}[step.amplitude]
+    upright = step.direction in ("", "up", "in place", "around")
+    way = 0.0 if upright and (step.direction or rng.random() < 0.7) else rng.uniform(0.4, 1.3) * far
+    way *= {"left": 0.6, "right": 0.6, "backward": 0.5}.get(step.direction, 1.0)
+    toward = TURN.get(step.direction, 0.0)
+    angle = rng.choice([-1, 1]) * np.pi * rng.uniform(0.9, 1.1) if step.direction == "around" else rng.normal(0, 0.03)
+    height = rng.uniform(*_RISE[step.height or step.amplitude]) * float(np.clip(manner.factor("bounce"), 0.6, 1.3))
+    return _jumps(
+        manner, rng, count, height=height, stride=way * np.array([np.sin(toward), np.cos(toward)]), angle=float(angle),
+        tuck=rng.uniform(0.0, 0.32), wind_up=rng.uniform(0.3, 0.55) / manner.factor("pace") if count < 3 else 0.25,
+    )  # fmt: skip
+
+
+@program("jump over", group="locomotion", directions=("forward", "left", "right"), heights=("low", "high"), weight=1.5)
+def jump_over(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+    """Jump over something with both feet, knees drawn up."""
+    toward = TURN[step.direction]
+    stride = rng.uniform(0.6, 1.3) * np.array([np.sin(toward), np.cos(toward)]) * (1.0 if not toward else 0.6)
+    return _jumps(
+        manner, rng, 1, height=rng.uniform(*_RISE[step.height or "middle"]) + 0.1, stride=stride, angle=0.0,
+        tuck=rng.uniform(0.2, 0.4), wind_up=rng.uniform(0.3, 0.5),
+    )  # fmt: skip
+
+
+@program("spin jump", group="locomotion", directions=("left", "right", "clockwise", "counterclockwise", "around"))
+def spin_jump(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+    """Jump up and turn in the air."""
+    side = {"left": 1, "counterclockwise": 1, "right": -1, "clockwise": -1}.get(step.direction, rng.choice([-1, 1]))
+    degrees = {"left": 90, "right": 90, "around": 180}.get(step.direction, rng.choice([180, 360]))
+    return _jumps(
+        manner, rng, 1, height=rng.uniform(0.2, 0.45), stride=np.zeros(2), angle=float(side * np.deg2rad(degrees)),
+        tuck=0.05, wind_up=rng.uniform(0.3, 0.55),
+    )  # fmt: skip
+
+
+@program(
+    "hop",
+    group="locomotion",
+    parts=LEGS,
+    sides=("left", "right"),
+    directions=("forward", "in place", "backward", "left", "right"),
+    counts=(2, 8),
+    weight=1.5,
+)
+def hop(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+    """Hop on one leg, the other held bent."""
+    on = SIDES[step.side] if step.side else int(rng.integers(2))
+    count = step.count or int(rng.integers(3, 8))
+    period = rng.uniform(0.38, 0.6)
+    settle = 0.35
+    frames = int((count * period + 2 * settle) * FPS)
+    time = np.arange(frames) / FPS - settle
+    beat = np.clip(time / period, 0.0, count)
+    number = np.minimum(np.floor(beat), count - 1)
+    air = np.clip((beat - number - 0.4) / 0.6, 0.0, 1.0)
+    toward = TURN.get(step.direction, 0.0)
+    way = 0.0 if step.direction in ("", "in place") else rng.uniform(0.25, 0.55)
+    gone = way * (number + air)
+    raised = ease((time + settle) / settle) * ease((count * period + settle - time) / settle)
+    sign = 1.0 if on == LEFT else -1.0
+    up = rng.uniform(0.06, 0.16) * 4 * air * (1 - air)
+    curves = standing(frames, LEGS)
+    curves.root[:, 0] = np.sin(toward) * gone + sign * 0.06 * raised
+    curves.root[:, 2] = np.cos(toward) * gone
+    curves.root[:, 1] = STAND - raised * 0.05 * (1 + np.cos(2 * np.pi * beat)) / 2 + up
+    curves.feet[..., 0] += np.sin(toward) * gone[:, None]
+    curves.feet[..., 2] += np.cos(toward) * gone[:, None]
+    curves.feet[:, on, 0] -= 0.04 * sign * raised
+    curves.feet[..., 1] += up[:, None]
+    free, back = 1 - on, rng.choice([-0.35, -0.3, 0.15])
+    curves.feet[:, free, 1] += raised * rng.uniform(0.25, 0.45)
+    curves.feet[:, free, 2] += raised * back
+    curves.foot_pitch[:, free] = -0.8 * raised
+    curves.foot_pitch[:, on] = -0.5 * np.sin(np.pi * air)
+    curves.pelvis[:, 1] = 0.08 * sign * raised
+    swing = 0.3 * raised * np.sin(2 * np.pi * beat)
+    swing_arms(curves, swing[:, None] + 0.1, np.full((frames, 2), 0.3) + raised[:, None] * rng.uniform(0.3, 0.9), 0.25)
+    return curves
+
+
+def _flights(
+    step: Step, gait: Gait, manner: Manner, rng: Generator, frames: int, *, count: int, height: float, over: float
+) -> Curves:
+    """Run and fly `count` times from one foot to the other, legs split; `over` raises the feet in flight."""
+    air = 2 * np.sqrt(2 * height / _GRAVITY)
+    frames = frames or int((1.6 + count * (air + 1.2)) * FPS)
+    course, gait = travel(step, gait, manner, rng, frames, effort(frames, rng, rest=0.4))
+    # The legs' clock is stretched from take-off to landing while the body goes on.
+    index = np.arange(len(course.phase), dtype=np.float64)
+    begin, end = course.phase[PAD], course.phase[-PAD]
+    takeoff = np.round(2 * (begin + (end - begin) * (np.arange(count) + 0.5) / (count + 0.4))) / 2 + gait.duty
+    edges = np.stack([takeoff, takeoff + 0.5 - gait.duty], axis=1).ravel()
+    before = np.interp(edges, course.phase, index)
+    extra = np.maximum(air * FPS - np.diff(before)[::2], 0.0)
+    after = before + np.repeat(np.cumsum(extra), 2) - np.stack([extra, 0 * extra], axis=1).ravel()
+    clock = np.interp(index, [index[0], *after, index[-1] + extra.sum()], [index[0], *before, index[-1]])
+    share = np.clip((index[:, None] - after[::2]) / np.diff(after)[::2], 0.0, 1.0)
+    flight = (4 * share * (1 - share)).sum(1)
+    lift = over * np.sqrt(flight)
+    course = replace(course, phase=np.interp(clock, index, course.phase), lift=lift)
+    curves = step_along(course, gait, manner)
+    flight = flight[PAD:-PAD]
+    curves.root[:, 1] += height * flight
+    curves.feet[..., 1] += height * flight[:, None]
+    curves.hands[..., 0] += rng.uniform(0.2, 0.6) * flight[:, None]
+    curves.hands[..., 1] += rng.uniform(0.1, 0.5) * flight[:, None]
+    first, last = after[0] - PAD - 0.5 * FPS, after[-1] - PAD + 0.5 * FPS
+    if count == 1:
+        curves.spans = [(max(int(first), 0), min(int(last), frames))]
+    return curves
+
+
+_RUN = Gait(
+    duty=0.38, lift=0.26, bob=0.03, push=0.9, lean=0.16, arms=0.6, elbow=1.2, width=0.06, crouch=0.05, cadence=2.7
+)
+
+
+@program("leap", group="locomotion", directions=("forward", "left", "right"), counts=(1, 3), weight=1.5)
+def leap(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+    """A run-up and a long jump from one foot to the other."""
+    gait = replace(_RUN, speed=rng.uniform(2.2, 3.6))
+    height = rng.uniform(0.15, 0.4)
+    return _flights(step, gait, manner, rng, frames, count=step.count or 1, height=height, over=0.1)
+
+
+@program("hurdle", group="sport", directions=("forward",), counts=(1, 3))
+def hurdle(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+    """Run over hurdles, knees high."""
+    gait = replace(_RUN, speed=rng.uniform(3.0, 4.5), lean=0.3)
+    return _flights(
+        step,
+        gait,
+        manner,
+        rng,
+        frames,
+        count=step.count or int(rng.integers(1, 4)),
+        height=rng.uniform(0.2, 0.4),
+        over=0.35,
+    )

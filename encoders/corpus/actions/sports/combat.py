@@ -1,0 +1,313 @@
+"""Fighting: punches, kicks, blocks, blades, guns, bows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from encoders.corpus.engine.keyframes import Key, back, key
+from encoders.corpus.engine.performance import SIDED, Cue, acted, grip, moved
+
+Pose = Mapping[str, ArrayLike]
+
+GROUP = "sport"
+LEVELS = ("low", "middle", "high")
+PUNCHERS = ("left", "right", "both")
+
+
+def _guard(c: Cue) -> dict[str, ArrayLike]:
+    """Fists up before the face."""
+    up = c.r(-0.5, 0.15)
+    return {"lead": c.about((-0.22, up, 0.3), 0.03), "off": c.about((-0.18, up, 0.42), 0.03)}
+
+
+def _stance(c: Cue) -> dict[str, ArrayLike]:
+    """Feet set apart with the other foot ahead, knees bent; sometimes simply standing."""
+    if c.chance(0.25):
+        return {}
+    long = c.r(0.1, 0.3)
+    return {
+        "off_foot": (0.03, 0.0, long * 0.6), "lead_foot": (0.06, 0.0, -long * 0.6), "root": (0.0, -c.r(0.03, 0.1), 0.0),
+        "lead_turn": 0.5, "spine": (0.1, 0, 0), "pelvis": (0.05, 0, c.r(0.0, 0.6)),
+    }  # fmt: skip
+
+
+def _blow(c: Cue, hand: str, through: list[tuple[float, ArrayLike]], guard: Pose, reach: float) -> list[Key]:
+    """One strike: through places with their times, the body turning into it, and back on guard."""
+    toward = -reach if hand == "lead" else reach
+    keys = []
+    for index, (seconds, place) in enumerate(through):
+        last = index == len(through) - 1
+        turn = toward if last else -0.3 * toward
+        hold = c.r(0.02, 0.15) if last else 0.0
+        trunk = {"spine": (0.12 if last else 0.0, 0.0, turn), "head": (0.05, 0, -0.8 * turn)}
+        keys += [key(seconds, hold, **{hand: place}, **trunk)]
+    again = {hand: guard[hand]}
+    return [*keys, key(c.r(0.18, 0.32), c.r(0.0, 0.2), **again, spine=(0.06, 0, 0), head=(0, 0, 0))]
+
+
+def _round(c: Cue, kinds: tuple[str, ...]) -> list[Key]:
+    """Punches of these kinds by the named hand, or by both in turn, from a guard or from hanging arms."""
+    guard = _guard(c)
+    on_guard = c.chance(0.75)
+    keys = [key(c.r(0.4, 0.7), c.r(0.0, 0.4), **guard, **_stance(c))] if on_guard else []
+    if not on_guard and c.chance(0.7):  # a step into it
+        step = {"off_foot": (0.0, 0.0, c.r(0.2, 0.4)), "root": (0.0, -0.05, 0.12)}
+        keys = [key(c.r(0.3, 0.45), **guard, **step)]
+    height = {"low": -0.45, "middle": -0.15, "high": 0.2}.get(c.step.height, c.r(-0.2, 0.15))
+    count = c.times(1, 4 if c.both else 2, 0.6)
+    for index in range(count):
+        hand = "off" if c.both and index % 2 else "lead"
+        kind = kinds[int(c.rng.integers(len(kinds)))]
+        fast = c.r(0.1, 0.2)
+        front = c.about((-0.3, height, 0.93), 0.05)
+        if kind == "straight":
+            wind = [(c.r(0.15, 0.35), (0.05, -0.3, -0.05))] if c.chance(0.45) else []
+            path: list[tuple[float, ArrayLike]] = [*wind, (fast, front)]
+        elif kind == "hook":
+            path = [
+                (0.18, (0.35, height - 0.1, 0.25)),
+                (fast, (-0.1, height, 0.72)),
+                (0.08, (-0.6, height + 0.02, 0.5)),
+            ]
+        else:
+            path = [(0.2, (-0.05, -0.55, 0.15)), (fast, (-0.28, -0.15, 0.5)), (0.09, (-0.3, 0.35, 0.5))]
+        keys += _blow(c, hand, path, guard, c.r(0.25, 0.6))
+    return [*keys, back(c.r(0.5, 0.8))] if c.chance(0.75) else keys
+
+
+def _punch(name: str, kinds: tuple[str, ...], weight: float = 1.0) -> None:
+    @acted(name, group=GROUP, sides=PUNCHERS, heights=LEVELS, counts=(1, 6), weight=weight)
+    def punch(c: Cue) -> list[Key]:
+        return _round(c, kinds)
+
+
+_punch("punch", ("straight", "straight", "straight", "hook"), 3.0)
+_punch("jab", ("straight",))
+_punch("hook", ("hook",))
+_punch("uppercut", ("uppercut",))
+
+
+@acted("box", group=GROUP, counts=(3, 10), weight=2)
+def box(c: Cue) -> list[Key]:
+    """Shadow boxing: combinations, bobbing, weaving, small steps."""
+    guard, stance = _guard(c), _stance(c)
+    keys = [key(0.5, 0.2, **guard, **stance)]
+    for _ in range(c.times(4, 8, 0.8)):
+        move = c.rng.random()
+        if move < 0.65:
+            hand = "off" if c.chance(0.5) else "lead"
+            keys += _blow(
+                c, hand, [(c.r(0.1, 0.18), c.about((-0.3, c.r(-0.2, 0.2), 0.92), 0.04))], guard, c.r(0.2, 0.5)
+            )
+        elif move < 0.85:
+            side = 1 if c.chance(0.5) else -1
+            keys += [
+                key(0.22, root=(0.08 * side, -0.15, 0.0), spine=(0.3, 0.25 * side, 0)),
+                key(0.25, root=(-0.03 * side, -0.06, 0.0), spine=(0.1, -0.1 * side, 0)),
+            ]
+        else:
+            keys += [key(0.12, root=(0, -0.09, 0.02)), key(0.12, root=(0, -0.03, -0.01))]
+    return [*keys, back(0.7)] if c.chance(0.6) else keys
+
+
+@acted("fighting stance", group=GROUP, sides=SIDED)
+def fighting_stance(c: Cue) -> list[Key]:
+    keys = [key(0.5, 0.3, **_guard(c), **_stance(c))]
+    for _ in range(int(c.r(2, 6))):
+        keys += [key(0.2, root=(c.r(-0.03, 0.03), -0.1, 0.02)), key(0.2, root=(0, -0.05, 0))]
+    return [*keys, back(0.7)] if c.chance(0.5) else keys
+
+
+@acted("block", group=GROUP, sides=PUNCHERS, heights=LEVELS, counts=(1, 4))
+def block(c: Cue) -> list[Key]:
+    up = c.height(-0.55, 0.1, 0.5)
+    keys = [key(0.4, 0.2, **_guard(c), **_stance(c))]
+    for _ in range(c.times(1, 3)):
+        place = c.about((c.r(-0.35, 0.05), up, 0.42), 0.05)
+        keys += [
+            key(c.r(0.12, 0.22), c.r(0.2, 0.6), hand=place, elbow=0.5, spine=(0.1, -0.1, 0), root=(0, -0.1, -0.03)),
+            key(0.3, hand=(-0.2, 0.0, 0.35), elbow=0.0, spine=(0.05, 0, 0), root=(0, -0.05, 0)),
+        ]
+    return [*keys, back(0.6)]
+
+
+def _poise(c: Cue) -> dict[str, ArrayLike]:
+    """Where the arms are while a leg kicks: on guard, or out for balance, or loose."""
+    kind = c.rng.random()
+    if kind < 0.4:
+        return _guard(c)
+    if kind < 0.7:
+        return {"lead": c.about((0.4, -0.6, -0.1), 0.08), "off": c.about((0.3, -0.3, 0.4), 0.08)}
+    return {"lead": c.about((0.3, -0.85, -0.1), 0.06), "off": c.about((0.2, -0.85, 0.25), 0.06)}
+
+
+def _kicked(c: Cue, chamber: Pose, strike: Pose, ready: bool) -> list[Key]:
+    """Kicks: weight over, knee up, strike, knee back, foot down; again as often as told."""
+    loose = {"lead": (0.2, -0.9, 0.0), "off": (0.2, -0.9, 0.1)}
+    keys = [key(c.r(0.4, 0.6), c.r(0.0, 0.3), **_guard(c))] if ready else []
+    for _ in range(c.times(1, 2)):
+        arms = _poise(c)
+        keys += [
+            key(c.r(0.22, 0.4), **arms, **chamber),
+            key(c.r(0.13, 0.24), c.r(0.03, 0.2), **strike),
+            key(c.r(0.16, 0.28), **chamber),
+            key(c.r(0.22, 0.4), lead_foot=(0.03, 0, c.r(-0.1, 0.15)), lead_toes=0.0, root=(0, -0.02, 0.02),
+                spine=(0.05, 0, 0), pelvis=(0, 0, 0), head=(0, 0, 0), **(loose if not ready else {})),
+        ]  # fmt: skip
+    return [*keys, back(c.r(0.5, 0.8))]
+
+
+@acted("kick", group=GROUP, sides=SIDED, heights=LEVELS, amplitudes=("small", "large"), counts=(1, 5), weight=3)
+def kick(c: Cue) -> list[Key]:
+    """A front kick."""
+    high = c.height(0.3, 0.7, 1.15) * {"small": 0.75, "large": 1.15}.get(c.step.amplitude, 1.0)
+    ahead = (0.8**2 - min(abs(high - 0.8), 0.6) ** 2) ** 0.5 * (0.97 if high < 1.0 else 0.9)
+    lean = 0.25 + 0.35 * high
+    chamber: Pose = {
+        "lead_foot": (-0.03, 0.25 + 0.3 * high, 0.12), "root": (-0.1, -0.01, 0.0), "spine": (0.05, 0, 0),
+        "lead_toes": -0.4, "pelvis": (-0.1 * high, 0, 0),
+    }  # fmt: skip
+    strike: Pose = {
+        "lead_foot": (-0.06, high, ahead), "root": (-0.1, 0.0, 0.06), "pelvis": (-0.45 * lean, 0, -0.15),
+        "lead_toes": 0.7, "spine": (-0.1 * lean, 0, 0.15), "head": (0.5 * lean, 0, 0),
+    }  # fmt: skip
+    return _kicked(c, chamber, strike, c.chance(0.5))
+
+
+@acted("side kick", group=GROUP, sides=SIDED, heights=LEVELS, counts=(1, 5))
+def side_kick(c: Cue) -> list[Key]:
+    high = c.height(0.35, 0.7, 1.05)
+    out = (0.79**2 - min(abs(high - 0.82), 0.6) ** 2) ** 0.5
+    tip = -0.35 - 0.35 * high
+    chamber = {"lead_foot": (0.05, 0.45, 0.1), "root": (-0.1, -0.02, 0), "pelvis": (0, tip * 0.3, 0)}
+    strike: Pose = {
+        "lead_foot": (out * 0.97 - 0.15, high, 0.05), "root": (-0.16, -0.02, 0), "pelvis": (0, tip * 0.8, 0),
+        "spine": (0, tip * 0.3, 0), "head": (0, -tip * 0.6, 0.7),
+    }  # fmt: skip
+    return _kicked(c, chamber, strike, c.chance(0.6))
+
+
+@acted("roundhouse kick", group=GROUP, sides=SIDED, heights=LEVELS, counts=(1, 4))
+def roundhouse_kick(c: Cue) -> list[Key]:
+    high = c.height(0.4, 0.75, 1.15)
+    turn = c.r(0.6, 1.1)
+    keys = [key(0.4, 0.2, **_guard(c), **_stance(c))]
+    for _ in range(c.times(1, 2)):
+        keys += [
+            key(c.r(0.22, 0.35), lead_foot=(0.35, 0.6 * high, -0.1), root=(-0.1, -0.02, 0), pelvis=(0, -0.3, 0.1)),
+            key(0.12, lead_foot=(0.35, 0.95 * high, 0.45), pelvis=(-0.1, -0.5, -turn * 0.6), spine=(0, -0.2, -0.2)),
+            key(0.1, 0.05, lead_foot=(-0.3, high, 0.68), pelvis=(-0.15, -0.45, -turn), lead=(0.3, -0.6, -0.2)),
+            key(0.22, lead_foot=(0.0, 0.4, 0.3), pelvis=(0, -0.1, -0.4), spine=(0, 0, 0)),
+            key(0.25, lead_foot=(0.05, 0, 0.05), root=(0, -0.04, 0), pelvis=(0, 0, 0), **_guard(c)),
+        ]
+    return [*keys, back(0.7)]
+
+
+@acted("knee strike", group=GROUP, sides=SIDED, counts=(1, 4))
+def knee_strike(c: Cue) -> list[Key]:
+    keys = [key(0.4, hands=(-0.2, 0.05, 0.6), **_stance(c))]
+    for _ in range(c.times(1, 3)):
+        keys += [
+            key(0.2, 0.05, lead_foot=(-0.05, 0.55, 0.05), root=(-0.08, 0.0, 0.08), pelvis=(-0.35, 0, 0),
+                hands=(-0.15, -0.4, 0.35)),
+            key(0.3, lead_foot=(0.05, 0, -0.15), root=(0, -0.04, 0), pelvis=(0, 0, 0), hands=(-0.2, 0.05, 0.6)),
+        ]  # fmt: skip
+    return [*keys, back(0.6)]
+
+
+@acted("elbow strike", group=GROUP, sides=SIDED, counts=(1, 4))
+def elbow_strike(c: Cue) -> list[Key]:
+    keys = [key(0.4, **_guard(c), **_stance(c))]
+    for _ in range(c.times(1, 2)):
+        keys += [
+            key(0.2, lead=(0.05, -0.05, 0.1), lead_elbow=1.2, spine=(0, 0, 0.4)),
+            key(0.13, 0.1, lead=(-0.62, 0.0, 0.22), lead_elbow=1.4, spine=(0.1, 0, -0.6)),
+            key(0.3, lead=(-0.2, 0.0, 0.3), lead_elbow=0.0, spine=(0, 0, 0)),
+        ]
+    return [*keys, back(0.6)]
+
+
+SLASHES = ("down", "left", "right", "up")
+
+
+@acted("slash", group=GROUP, sides=PUNCHERS, directions=SLASHES, counts=(1, 5), weight=2)
+def slash(c: Cue) -> list[Key]:
+    """Swing a blade: down, across to either side, upward, or down across; one hand or both."""
+    two = c.both or (not c.step.side and c.chance(0.6))
+    across = c.toward or (-1.0 if c.chance(0.7) else 1.0)
+    ways = {
+        "down": ((0.0, 0.75, -0.05), (0.0, 0.2, 0.8), (0.0, -0.65, 0.5)),
+        "up": ((-0.5 * across, -0.75, 0.25), (0.0, -0.1, 0.8), (0.45 * across, 0.65, 0.3)),
+        "side": ((-0.75 * across, 0.05, 0.3), (0.0, -0.05, 0.85), (0.8 * across, -0.1, 0.35)),
+        "": ((-0.5 * across, 0.75, 0.0), (0.0, 0.1, 0.8), (0.55 * across, -0.65, 0.4)),
+    }
+    start, middle, end = (c.about(p, 0.06) for p in ways["side" if c.step.direction in SIDED else c.step.direction])
+
+    def blade(p: ArrayLike) -> dict[str, ArrayLike]:
+        x, y, z = np.asarray(p, np.float64)
+        return grip(x, y, z, 0.05) if two else {"lead": (x * 0.9, y, z)}
+
+    front = c.r(0.15, 0.45)
+    keys = [key(0.5, c.r(0.1, 0.5), **blade((0.05, -0.35, 0.55)), root=(0, -0.04, 0), off_foot=(0.03, 0, 0.12))]
+    for _ in range(c.times(1, 2)):
+        turn, fast = across * c.r(0.3, 0.7), c.r(0.16, 0.3)
+        keys += [
+            key(c.r(0.3, 0.55), c.r(0.0, 0.2), **blade(start), spine=(-0.12, 0, -turn), head=(0.05, 0, turn * 0.7)),
+            key(
+                fast,
+                **blade(middle),
+                spine=(0.1, 0, 0.3 * turn),
+                lead_foot=(0.03, 0, front),
+                root=(0, -0.08, front / 2),
+            ),
+            key(fast, c.r(0.1, 0.5), **blade(end), spine=(0.3, 0, turn), head=(0, 0, -turn * 0.5)),
+            key(c.r(0.3, 0.5), **blade((0.05, -0.3, 0.55)), spine=(0.05, 0, 0), lead_foot=(0.03, 0, -0.05)),
+        ]
+    return [*keys, back(0.8)]
+
+
+@acted("stab", group=GROUP, sides=PUNCHERS, heights=LEVELS, counts=(1, 4))
+def stab(c: Cue) -> list[Key]:
+    """Thrust a blade or spear forward with a lunge."""
+    up, two = c.height(-0.5, -0.2, 0.1), c.both
+    drawn, out = (0.1, up - 0.1, -0.1), (-0.25, up, 0.94)
+    keys = [key(0.4, hands=(-0.1, -0.4, 0.45), off_foot=(0.02, 0, 0.1))]
+    for _ in range(c.times(1, 2)):
+        other = {"off": (-0.55, up - 0.15, 0.35)} if two else {}
+        ahead = {"off": (-0.35, up - 0.05, 0.75)} if two else {"off": c.about((0.2, -0.5, -0.2), 0.08)}
+        lunge = c.r(0.25, 0.5)
+        keys += [
+            key(c.r(0.3, 0.45), lead=drawn, **other, spine=(0, 0, 0.4), head=(0, 0, -0.3)),
+            key(c.r(0.14, 0.22), c.r(0.1, 0.4), lead=out, **ahead, lead_foot=(0.02, 0, lunge), root=(0, -0.12, 0.25),
+                spine=(0.25, 0, -0.35), head=(-0.1, 0, 0.2)),
+            key(0.4, lead=drawn, lead_foot=(0.02, 0, 0.0), root=(0, -0.02, 0), spine=(0, 0, 0.1)),
+        ]  # fmt: skip
+    return [*keys, back(0.7)]
+
+
+@acted("shoot gun", group=GROUP, sides=PUNCHERS, counts=(1, 6))
+def shoot_gun(c: Cue) -> list[Key]:
+    two = c.both or (not c.step.side and c.chance(0.6))
+    aim = {"lead": (-0.3, 0.05, 0.9), "off": (-0.38, 0.0, 0.85)} if two else {"lead": (-0.15, 0.06, 0.95)}
+    kick = {name: moved(p, 0.0, 0.09, -0.09) for name, p in aim.items()}
+    keys = [key(c.r(0.3, 0.6), c.r(0.4, 0.9), **aim)]
+    for _ in range(c.times(1, 4)):
+        keys += [key(0.07, **kick, spine=(-0.05, 0, 0)), key(0.18, c.r(0.1, 0.4), **aim, spine=(0.03, 0, 0))]
+    return [*keys, back(0.7)]
+
+
+@acted("shoot bow", group=GROUP, sides=SIDED, counts=(1, 3))
+def shoot_bow(c: Cue) -> list[Key]:
+    """Hold the bow out, draw the string back to the cheek with the leading hand, let go."""
+    bow = (0.9, 0.06, 0.35)
+    keys: list[Key] = []
+    for _ in range(c.times(1, 2)):
+        keys += [
+            key(0.6, 0.2, off=(0.5, -0.1, 0.55), lead=(-0.85, -0.05, 0.45), spine=(0, 0, 0.5), head=(0, 0, -0.9)),
+            key(c.r(0.8, 1.3), c.r(0.5, 1.0), off=bow, lead=(-0.12, 0.1, 0.22), lead_elbow=0.9, spine=(-0.03, 0, 0.7)),
+            key(0.12, 0.4, lead=(0.15, 0.08, 0.05)),
+        ]
+    return [*keys, back(0.8)]

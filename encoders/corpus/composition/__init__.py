@@ -1,0 +1,1 @@
+"""Scenes and captioned real motion become training pairs and long takes with known truth."""

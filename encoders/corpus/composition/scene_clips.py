@@ -1,0 +1,163 @@
+"""Clips from scenes: programs acted out by a random performer, joined, varied as real capture varies, and posed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.random import Generator
+
+from encoders.corpus.actions.programs import parts_of, program_of
+from encoders.corpus.engine.arm_carriage import carry_idle_hands
+from encoders.corpus.engine.clip_ends import begin_and_end
+from encoders.corpus.engine.curves import CHANNELS, Array, Curves
+from encoders.corpus.engine.joining import at_rest, chain, overlay, pause, roam
+from encoders.corpus.engine.posing import pose, random_geometry
+from encoders.corpus.engine.stance import Stance, sample_stance, stand
+from encoders.corpus.engine.style import apply_manner, sample_individual, sample_manner
+from encoders.corpus.scene import Clip, Scene, Step
+from encoders.motion import FPS
+
+
+def act(step: Step, individual: Array, rng: Generator, frames: int = 0, stance: Stance | None = None) -> Curves:
+    """Act one step out in a performer's own manner and stance; `frames` is a hint.
+
+    Raises
+    ------
+    KeyError
+        If the action or the style is unknown.
+    """
+    manner = sample_manner(step.style, individual, rng)
+    curves = program_of(step.action).make(step, manner, rng, frames)
+    apply_manner(curves, manner, rng)
+    return stand(curves, stance, rng) if stance else curves
+
+
+def compatible(*steps: Step) -> bool:
+    """Whether steps can happen at once: no part of the body is needed twice."""
+    parts = [parts_of(step) for step in steps]
+    return sum(map(len, parts)) == len(frozenset().union(*parts))
+
+
+def _act_group(group: Sequence[Step], individual: Array, stance: Stance, rng: Generator) -> Curves:
+    """Steps at once: the one that needs the legs (else the first) carries the others."""
+    if len(group) == 1:
+        return act(group[0], individual, rng, 0, stance)
+    carrier = max(range(len(group)), key=lambda i: ("legs" in parts_of(group[i]), -i))
+    extras = [act(step, individual, rng) for i, step in enumerate(group) if i != carrier]
+    longest = max(map(len, extras))
+    frames = int(max(longest + rng.integers(4, 24), rng.uniform(2.0, 5.0) * FPS))
+    base = act(group[carrier], individual, rng, frames, stance)
+    for extra in extras:
+        base = overlay(base, extra, int(rng.integers(0, max(len(base) - len(extra), 0) + 1)))
+    return base
+
+
+_LYING = ("backward", "backward", "forward", "left", "right")
+_SEATS = ("middle", "middle", "middle", "middle", "low")
+
+
+def _agreeing(scene: Scene, rng: Generator) -> list[tuple[Step, ...]]:
+    """The scene's steps, with what they leave open about lying and sitting decided alike."""
+    lying, seat = str(rng.choice(_LYING)), str(rng.choice(_SEATS))
+    groups = []
+    for group in scene.steps:
+        decided = []
+        for step in group:
+            action = program_of(step.action)
+            if "floor" in (action.starts, action.ends) and lying in action.directions and action.group == "posture":
+                lying = step.direction or lying
+                step = replace(step, direction=lying)
+            elif "sit" in (action.starts, action.ends) and seat in action.heights:
+                seat = step.height or seat
+                step = replace(step, height=seat)
+            decided.append(step)
+        groups.append(tuple(decided))
+    return groups
+
+
+def act_scene(scene: Scene, rng: Generator, *, variation: float = 1.0) -> Curves:
+    """Act a whole scene out by one performer; one span per step group."""
+    individual = sample_individual(rng) * variation
+    stance = sample_stance(rng, variation)
+    movements = [_act_group(group, individual, stance, rng) for group in _agreeing(scene, rng)]
+    movements = [
+        pause(m, 0, int(rng.integers(1, 16))) if rng.random() < 0.25 * variation and at_rest(m, -1) else m
+        for m in movements
+    ]
+    curves = chain(movements)
+    if rng.random() < 0.06 * variation:
+        carry_idle_hands(curves, rng)
+    return begin_and_end(curves, scene, rng, variation)
+
+
+#: Slow unsteadiness of each channel: metres, radians, arm lengths.
+_UNREST = np.zeros(CHANNELS)
+_UNREST[[0, 1, 2]] = [0.004, 0.002, 0.004]
+_UNREST[4:7] = 0.018
+_UNREST[7:10] = 0.03
+_UNREST[10:13] = 0.06
+for _arm in (25, 35):
+    _UNREST[_arm : _arm + 3] = 0.018
+    _UNREST[_arm + 3] = 0.08
+_FEET = [13, 14, 15, 19, 20, 21]
+
+
+def _unrest(curves: Curves, rng: Generator, variation: float) -> None:
+    strength = variation * float(np.exp(rng.normal(0.0, 0.5)))
+    curves.data += strength * _UNREST * roam(len(curves), CHANNELS, rng, 1.2)
+    if rng.random() < 0.3 * variation:  # feet that slide and float a little, as imperfect capture has them
+        curves.data[:, _FEET] += rng.uniform(0.0, 0.012) * roam(len(curves), len(_FEET), rng, 2.0)
+
+
+def _clock(frames: int, rng: Generator, variation: float) -> Array:
+    """Where in the movement each frame of a clip is taken, (F',): faster and slower, by up to a quarter."""
+    longest = int(frames / 0.75) + 1
+    rate = np.exp(variation * (rng.normal(0.0, 0.08) + 0.05 * roam(longest, 1, rng, 0.7)[:, 0]))
+    at = np.concatenate([[0.0], np.cumsum(np.clip(rate, 0.75, 1.3))])
+    return np.asarray(at[at <= frames - 1])
+
+
+def _sample(joints: Array, clock: Array) -> Array:
+    low = np.minimum(clock.astype(np.int64), len(joints) - 1)
+    share = (clock - low)[:, None, None]
+    return np.asarray(joints[low] * (1 - share) + joints[np.minimum(low + 1, len(joints) - 1)] * share)
+
+
+def _finish(
+    scene: Scene, curves: Curves, joints: Array, rng: Generator, variation: float, captions: Sequence[str]
+) -> Clip:
+    """Warp time and add the sensor's noise."""
+    spans = np.array(curves.spans, dtype=np.float64)
+    if variation:
+        clock = _clock(len(joints), rng, variation)
+        joints = _sample(joints, clock)
+        spans = np.interp(spans, [*clock, len(curves)], np.arange(len(clock) + 1))
+        jitter = variation * rng.gamma(1.0, 0.0012)
+        joints = joints + rng.standard_normal(joints.shape, dtype=np.float32) * jitter
+    times = tuple((float(first / FPS), float(last / FPS)) for first, last in spans)
+    return Clip(joints.astype(np.float32), FPS, scene, times, tuple(captions))
+
+
+def make_clip(scene: Scene, rng: Generator, *, captions: Sequence[str] = (), variation: float = 1.0) -> Clip:
+    """Act a scene out by one random performer.
+
+    Parameters
+    ----------
+    rng : Generator
+        All chance; the same state makes the same clip.
+    captions : sequence of str
+        Handed on to the clip.
+    variation : float
+        1: performers, rigs, timing and capture differ as in the wild; 0: the plain movement on the canonical body.
+
+    Raises
+    ------
+    KeyError
+        If an action or a style is unknown.
+    """
+    curves = act_scene(scene, rng, variation=variation)
+    _unrest(curves, rng, variation)
+    joints = pose(curves, random_geometry(rng, spread=variation))
+    return _finish(scene, curves, joints, rng, variation, captions)

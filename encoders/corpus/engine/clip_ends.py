@@ -1,0 +1,62 @@
+"""How clips begin and end: standing a while, shifting a foot until it feels right, or cut in mid-motion."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.random import Generator
+
+from encoders.corpus.engine.curves import ANKLE, LEFT, Curves, ease
+from encoders.corpus.engine.joining import at_rest, pause
+from encoders.corpus.scene import Scene
+
+_LONGEST = 50  #: frames of standing at either end
+_CUT = 9  #: frames that a cut takes at most; a count would no longer be true with more
+_FEW = 24  #: frames that a clip keeps
+
+
+def begin_and_end(curves: Curves, scene: Scene, rng: Generator, variation: float) -> Curves:
+    """The movement with what is before and after it in a real take."""
+    before = _idle(curves, 0, rng, variation)
+    after = _idle(curves, -1, rng, variation)
+    curves = pause(curves, before, after)
+    if before > 14 and rng.random() < 0.3:
+        _shift_foot(curves, 0, before, rng)
+    if after > 14 and rng.random() < 0.3:
+        _shift_foot(curves, len(curves) - after, len(curves), rng)
+    counted = any(step.count for group in scene.steps for step in group)
+    if counted or rng.random() > 0.2 * variation:
+        return curves
+    return _cut(curves, rng)
+
+
+def _idle(curves: Curves, frame: int, rng: Generator, variation: float) -> int:
+    if rng.random() >= 0.5 * variation or not at_rest(curves, frame):
+        return 0
+    return min(int(rng.exponential(12)), _LONGEST)
+
+
+def _shift_foot(curves: Curves, start: int, stop: int, rng: Generator) -> None:
+    """One standing foot is set down anew, some centimetres from where it stands for the rest, in place."""
+    foot, inside = int(rng.integers(2)), slice(start, stop)
+    if np.ptp(curves.feet[inside, :, 1]) > 0.01 or abs(curves.feet[start, foot, 1] - ANKLE) > 0.03:
+        return
+    share = ease((np.arange(stop - start) - rng.integers(2, 5)) / 9)
+    away = 1 - share if start == 0 else share
+    place = rng.normal(0.0, 0.05, 2)
+    curves.feet[inside, foot, 0] += place[0] * away
+    curves.feet[inside, foot, 2] += place[1] * away
+    curves.feet[inside, foot, 1] += rng.uniform(0.02, 0.05) * np.sin(np.pi * share)
+    curves.root[inside, 0] += 0.02 * np.sin(np.pi * share) * (-1 if foot == LEFT else 1)
+
+
+def _cut(curves: Curves, rng: Generator) -> Curves:
+    """Cut into the movement a little at either end or both."""
+    sides = rng.integers(1, 4)
+    first, last = (int(rng.integers(1, _CUT + 1)) if sides & bit else 0 for bit in (1, 2))
+    frames = len(curves) - first - last
+    if frames < _FEW:
+        return curves
+    spans = [(max(a - first, 0), min(b - first, frames)) for a, b in curves.spans]
+    if any(b - a < 6 for a, b in spans):
+        return curves
+    return Curves(curves.data[first : first + frames], spans, curves.parts)

@@ -1,0 +1,282 @@
+"""Human sentences into scenes that the corpus can act out, where they are surely understood.
+
+A sentence is split into clauses; of each clause the verb is looked up, the particulars are taken out, and what is left
+must match a rule of the verb. Where anything is left over, or a program does not honour a particular, there is no
+scene: precision counts, since the sentence becomes a caption of the acted-out motion.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+
+from encoders.corpus.actions.programs import parts_of, programs
+from encoders.corpus.language.normal import drop_auxiliaries, drop_subject, normalise
+from encoders.corpus.language.particulars import take_particulars
+from encoders.corpus.language.verbs import Context, is_verb, lemmas, means_something, step_of
+from encoders.corpus.scene import Scene, Step
+
+_JOINS = re.compile(
+    r"(?:^|,? )(?:and )?(then|before|after that|after|while|as (?=he|she|they|it|the)|followed by|finally|next)(?: |$)"
+    r"|, and |, | and "
+)
+_ADVERB = re.compile(r"^((?:very |really |quite |rather )?\w+ly|slightly|briskly|casually|then|also|once again|again) ")
+_DENIED = re.compile(r"\b(?:not|without|n't|doesn't|does not|almost|nearly|instead|but|if|or|opposite|another|other)\b")
+_COMES_UP = frozenset(
+    {"squat", "crouch", "kneel", "bend forward", "pick up", "put down", "bow", "lunge", "duck", "toe touch"}
+)
+_RETURNS = re.compile(
+    r"(?:holds?|holding|held) (?:it|them|that|the pose|the position|this pose)(?: there| up| still)?"
+    r"(?: for (?:a |the |some )?\w+(?: \w+)?)?"
+    r"|un(?:folds?|folding|folded|cross(?:es|ed|ing)?) (?:it|them|(?:his|her|their|the|both) arms)"
+    r"|(?:pulls?|pulling|pulled|lowers?|lowered|lowering|puts?|putting|sets?|brings?|bringing|brought|drops?|dropping|returns?|returning"
+    r"|lets?) "
+    r"(?:it|them|his|her|their|the|both|back|arms?|hands?|left|right|leg|foot|knee| )*"
+    r"(?:back )?(?:down|to (?:his|her|their|the) sides?)(?: again)?"
+    r"|(?:stands?|standing|straightens?|straightening|gets?|comes?|rises?|stood)(?: back)? up(?: straight)?(?: again)?"
+    r"|(?:returns?|returning|returned|goes|comes|back) (?:back )?to (?:an? |the |his |her |their )?"
+    r"(?:original|starting|start|standing|neutral|resting|initial|normal|upright|rest)(?: standing)?"
+    r"(?: position| pose| stance| posture)?"
+)
+_UP = re.compile(r"\b(?:up|standing|upright)\b")
+_RISES = {"sit": "stand up", "floor": "get up", "": "stand up"}
+_LIMB_ALONE = ("hand", "arm", "leg", "foot", "knee")  # "kicks the left leg, then the right leg"
+_BENT = ("bend forward", "squat", "crouch", "lean")
+_RAISED = ("wave", "salute", "point", "swat")
+_NO_VERB = frozenset(
+    """
+    a an the his her their its both one two three four five left right arms arm hands hand legs leg feet foot head knees
+    with in on at from to of by for into onto over under up down out off around back forward backward toward side sides
+    clockwise counterclockwise diagonally straight ahead again once twice this that these those while when as if after
+    before then than until and or but not no i he she they it who which where there first second finally slightly very
+    something someone person man figure body several some each another other also away across above below between along
+    slow fast quick hunched tired ready still stationary upright facing all both, inplace upanddown backandforth
+    """.split()
+)
+_REPEATABLE = ("then", "and", ",", "next", "finally")
+
+
+@dataclass
+class Reading:
+    """What was understood of a sentence.
+
+    Attributes
+    ----------
+    scene : Scene or None
+        Where all of it was.
+    verbs : list of (str, bool)
+        Main verbs (as written where unknown) and whether the corpus can act them out.
+    failed : list of str
+        Clauses that were not understood.
+    """
+
+    scene: Scene | None = None
+    verbs: list[tuple[str, bool]] = field(default_factory=list)
+    failed: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class _Clause:
+    words: str
+    join: str  # what stands before it: "", "then", "and", ",", "while", "before", "after"
+
+
+def _head(words: str) -> str:
+    """The first word of a clause that may be its verb."""
+    text = drop_auxiliaries(drop_subject(words))
+    while True:
+        shorter = _ADVERB.sub("", text, count=1)
+        if shorter == text:
+            break
+        text = drop_auxiliaries(shorter)
+    return text.split()[0] if text else ""
+
+
+def _split(text: str) -> list[_Clause]:
+    """Clauses in the order of the words; "and" and commas split only before a verb."""
+    clauses: list[_Clause] = []
+    join, start = "", 0
+    for match in _JOINS.finditer(text):
+        word = match[1] or ("and" if "and" in match[0] else ",")
+        weak = word in ("and", ",")
+        if match.start() < start:
+            continue
+        if weak and not is_verb(_head(text[match.end() :])):
+            continue
+        before = text[start : match.start()].strip(" ,")
+        if before:
+            clauses.append(_Clause(before, join))
+            join = word
+        else:
+            join = word if join in ("", "and", ",", "then") else join
+        start = match.end()
+    last = text[start:].strip(" ,")
+    return [*clauses, _Clause(last, join)] if last else clauses
+
+
+def _verb_and_rest(words: str) -> tuple[str, str, str]:
+    """Base form of the verb ("" if unknown), the word as written, and the other words, adverbs behind."""
+    text, adverbs = drop_auxiliaries(drop_subject(words)), []
+    while (match := _ADVERB.match(text)) is not None:
+        adverbs.append(match[1])
+        text = drop_auxiliaries(text[match.end() :])
+    verb, _, rest = text.partition(" ")
+    return lemmas().get(verb, ""), verb, " ".join([rest, *adverbs]).strip()
+
+
+def _in_order(clauses: list[_Clause]) -> list[_Clause] | None:
+    """Clauses in the order of the actions: what follows "after" comes first; None where that is unclear."""
+    afters = [i for i, clause in enumerate(clauses) if clause.join == "after"]
+    if not afters:
+        return clauses
+    if len(clauses) == 2 and afters == [1]:
+        return [_Clause(clauses[1].words, ""), _Clause(clauses[0].words, "then")]
+    if len(clauses) == 2 and afters == [0]:
+        return [_Clause(clauses[0].words, ""), _Clause(clauses[1].words, "then")]
+    return None
+
+
+class _Story:
+    """Steps as they are understood, clause by clause."""
+
+    def __init__(self) -> None:
+        self.groups: list[tuple[Step, ...]] = []
+        self.lemma = ""
+
+    @property
+    def context(self) -> Context:
+        if not self.groups:
+            return Context()
+        last = self.groups[-1][0]
+        turned = any(step.action == "turn" and step.direction in ("around", "clockwise", "counterclockwise", "")
+                     for group in self.groups[-2:] for step in group)  # fmt: skip
+        return Context(programs()[last.action].ends, last.action, turned)
+
+    def beside(self, step: Step) -> bool:
+        """Whether a step can happen at the same time as the last ones: no part of the body is needed twice."""
+        parts = [parts_of(other) for other in (*(self.groups[-1] if self.groups else ()), step)]
+        return bool(self.groups) and sum(map(len, parts)) == len(frozenset().union(*parts))
+
+    @property
+    def goes(self) -> bool:
+        """Whether the performer has left the place."""
+        return any(programs()[step.action].group == "locomotion" for group in self.groups for step in group)
+
+    def add(self, step: Step, join: str) -> bool:
+        """Put a step after or beside the last; False where it cannot be."""
+        if step.action in ("stand up", "get up"):
+            if self.context.action in _COMES_UP:
+                return True
+            step = replace(step, action=_RISES.get(self.context.posture, "stand up"))
+        if self.groups and self._absorbs(step, join):
+            return True
+        if self.groups and join in ("while", "as ", "and", ","):
+            beside, fits = (*self.groups[-1], step), self.beside(step)
+            still = self.groups[-1][-1].action in ("stand", "sit")
+            if join in ("while", "as ") or (join == "and" and still and fits):
+                if fits:
+                    self.groups[-1] = beside
+                return fits
+        action, posture = programs()[step.action], self.context.posture
+        needs_legs = "legs" in action.parts
+        if posture and action.starts != posture and not (posture == "stand" and not needs_legs):
+            return False
+        if not posture and action.starts == "floor" and step.action not in ("crawl", "army crawl", "get up", "lie"):
+            return False
+        self.groups.append((step,))
+        return True
+
+    def _absorbs(self, step: Step, join: str) -> bool:
+        """Whether the last step takes the new one up: one movement told as two."""
+        last = self.groups[-1][-1]
+        if step.action == "stand" and join in ("while", "as ") and programs()[last.action].starts == "stand":
+            return True  # "waves while standing"
+        if join in ("while", "as ") and step == Step("walk") and programs()[last.action].group == "locomotion":
+            return True  # "staggers while walking"
+        one = step
+        if last.action == "walk" and step.action == "balance beam" and join in ("while", "as ", "and"):
+            one = replace(last, action="balance beam") if last.direction in ("", "forward", "backward") else step
+        elif last.action in _BENT and step.action in ("pick up", "put down") and step.height in ("", "low"):
+            one = replace(step, height="low")  # "bends down and picks something up"
+        elif last.action in ("raise arm", "raise hand") and step.action in _RAISED and join == "and":
+            sides = ("", *programs()[step.action].sides)
+            if step.side in ("", last.side) and last.side in sides:  # "raises the right arm and waves"
+                self.groups[-1] = (*self.groups[-1][:-1], replace(step, side=last.side))
+                return True
+        if one == step:
+            return False
+        self.groups[-1] = (*self.groups[-1][:-1], one)
+        return True
+
+
+def read(sentence: str) -> Reading:
+    """What can be understood of a sentence."""
+    reading, story = Reading(), _Story()
+    text = normalise(sentence)
+    clauses = _in_order(_split(drop_subject(text)))
+    if not clauses:
+        reading.failed.append(text)
+        return reading
+    sure, before = True, ""
+    for clause in clauses:
+        lemma, verb, rest = _verb_and_rest(clause.words)
+        if not verb:
+            continue
+        if story.groups and _RETURNS.fullmatch(drop_auxiliaries(drop_subject(clause.words))):
+            reading.verbs.append((lemma or verb, True))
+            last = story.groups[-1][-1].action
+            rests = programs()[last].group in ("gesture", "exercise") and not story.goes
+            if last in _COMES_UP if _UP.search(clause.words) else rests:
+                continue
+        if (not lemma or lemma == "back") and story.lemma and clause.join in _REPEATABLE:
+            again = re.sub(r"^(?:then |and )?back (?=to the)", "", clause.words)
+            found = take_particulars(again)  # "walks forward, then backward"
+            stays = story.lemma == "move" and not story.goes  # "moves the arm up, then to the right"
+            if ((not found.rest and found.fields) or found.rest in _LIMB_ALONE) and not stays:
+                lemma, rest = story.lemma, again
+        found = take_particulars(rest)
+        if lemma or verb not in _NO_VERB:
+            reading.verbs.append((lemma or verb, bool(lemma) and means_something(lemma, found)))
+        denied = bool(_DENIED.search(clause.words)) and not re.search(
+            r"(?:opposite|other) (?:way|direction)", clause.words
+        )
+        step = None if found.unsure or denied or not lemma else step_of(lemma, clause.words, found, story.context)
+        join = clause.join
+        if step is not None and verb.endswith("ing") and story.groups:
+            aside = join == "," and not before.endswith("ing")  # "walks, looking at the feet"
+            if aside and not story.beside(step) and programs()[step.action].group != "locomotion":
+                step = None  # at once, but no body can
+            elif aside or (join == "and" and before.endswith("ing")):  # "walking and waving"
+                join = "while" if step is not None and story.beside(step) else join
+        before = verb
+        if step is None or not story.add(step, join):
+            sure = False
+            reading.failed.append(clause.words)
+        story.lemma = lemma
+    if sure and story.groups:
+        reading.scene = Scene(tuple(story.groups))
+    return reading
+
+
+def parse(sentence: str, *, strict: bool = True) -> Scene | None:
+    """The scene that a sentence describes.
+
+    Parameters
+    ----------
+    strict : bool
+        Only where every word that matters was understood; otherwise the clauses that were make a scene.
+
+    Returns
+    -------
+    Scene or None
+        None where the sentence is not surely understood.
+    """
+    if strict:
+        return read(sentence).scene
+    story = _Story()
+    for clause in _in_order(_split(drop_subject(normalise(sentence)))) or ():
+        lemma, _, rest = _verb_and_rest(clause.words)
+        step = step_of(lemma, clause.words, take_particulars(rest), story.context) if lemma else None
+        if step is not None:
+            story.add(step, clause.join)
+    return Scene(tuple(story.groups)) if story.groups else None

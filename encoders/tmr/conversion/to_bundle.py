@@ -1,0 +1,88 @@
+"""A trained TMR becomes a bundle: two ONNX graphs with small weights, a tokenizer and a manifest.
+
+Matrices are stored as int8 and turned back to floating point when the graph is loaded, the embeddings of word pieces in
+4 bits, of which only the rows that a sentence needs are turned back; activations are floating point throughout.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import onnx
+from numpy.typing import NDArray
+
+from encoders.bundle.manifest import CALIBRATION, FORMAT, MANIFEST, MOTION, TEXT, TOKENIZER, digest
+from encoders.features.registry import FEATURE_KINDS
+from encoders.tmr.conversion.onnx_graph import motion_graph, text_graph
+from encoders.tmr.model.network import Encoder
+from encoders.tmr.text.language_model import LanguageModel
+
+
+def export_bundle(
+    folder: Path,
+    *,
+    name: str,
+    motion_encoder: Encoder,
+    text_encoder: Encoder,
+    language: LanguageModel,
+    mean: NDArray[np.float32],
+    std: NDArray[np.float32],
+    feature_kind: str,
+    max_frames: int,
+    weights: Literal["int8", "float32"] = "int8",
+    licence: str = "MIT",
+    training: Mapping[str, Any] | None = None,
+    calibration: Mapping[str, NDArray[Any]] | None = None,
+) -> Path:
+    """Write a bundle; a bundle that was in `folder` before is replaced only when the new one is whole.
+
+    Parameters
+    ----------
+    mean, std : (F,)
+        Of the features; the motion graph takes raw features and normalises them.
+    max_frames : int
+        Longest motion, in feature frames, that passes the encoder as a whole.
+    training : mapping of plain values
+        What the manifest says about how the model came to be.
+    calibration : mapping of arrays
+        Written as calibration.npz; changes no embedding.
+    """
+    kind = FEATURE_KINDS[feature_kind]
+    if np.shape(mean) != (kind.size,) or np.shape(std) != (kind.size,):
+        raise ValueError(f"mean {np.shape(mean)} and std {np.shape(std)} must be ({kind.size},) for {feature_kind!r}")
+    folder = Path(folder)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as temporary:
+        new = Path(temporary) / "bundle"
+        new.mkdir()
+        int8 = weights == "int8"
+        onnx.save(motion_graph(motion_encoder, mean, std, int8=int8), new / MOTION)
+        onnx.save(text_graph(text_encoder, language.network, language.max_tokens, int8=int8), new / TEXT)
+        (new / TOKENIZER).write_text(language.tokenizer.to_str(), "utf-8")
+        if calibration is not None:
+            np.savez_compressed(new / CALIBRATION, **calibration)  # type: ignore[arg-type]
+        manifest = {
+            "format": FORMAT,
+            "name": name,
+            "feature_kind": feature_kind,
+            "fps": kind.fps,
+            "max_frames": max_frames,
+            "latent_size": motion_encoder.latent,
+            "language_model": language.name,
+            "max_tokens": language.max_tokens,
+            "weights": weights,
+            "licence": licence,
+            "training": dict(training or {}),
+            "files": {file.name: digest(file) for file in sorted(new.iterdir())},
+        }
+        (new / MANIFEST).write_text(json.dumps(manifest, indent=2, sort_keys=True) + "\n", "utf-8")
+        if folder.exists():
+            folder.rename(Path(temporary) / "old")
+        shutil.move(new, folder)
+    return folder

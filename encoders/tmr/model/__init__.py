@@ -1,0 +1,1 @@
+"""TMR's networks, and what stands before them: normalising and padding."""

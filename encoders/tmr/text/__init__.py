@@ -1,0 +1,1 @@
+"""The frozen language model and the token features it gives of sentences."""

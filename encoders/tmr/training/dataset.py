@@ -1,0 +1,107 @@
+"""What a training run is fed with: made clips in shards, real clips, and token features of all their sentences."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from itertools import chain
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+from encoders.corpus.composition.augmentation import recombined
+from encoders.corpus.composition.facts import facts
+from encoders.corpus.composition.real import CaptionedTake, real_clips
+from encoders.corpus.composition.real_captions import retell
+from encoders.corpus.composition.seeds import TRAINING
+from encoders.corpus.composition.synthetic import made_clips
+from encoders.corpus.language import HeldOut
+from encoders.corpus.language.unrelated import unrelated_sentence
+from encoders.corpus.scene import Scene
+from encoders.features.registry import FEATURE_KINDS, FeatureKind
+from encoders.tmr.training.pairs import Pair, PairStore
+
+SHARD = 2500
+
+
+def made_store(
+    path: Path, seed: int, count: int, kind: str, sentences: Sequence[str], held_out: HeldOut, gaits: float = 0.0
+) -> PairStore:
+    """`count` made clips, from `path` if they are there, else made and kept there; `gaits`: share that just go."""
+    if not path.exists():
+        clips = made_clips(seed, count, FEATURE_KINDS[kind], sentences=sentences, gait_share=gaits, held_out=held_out)
+        PairStore(Pair(m.features, m.captions, m.meanings, facts(m.scene), m.swapped) for m in clips).save(path)
+    return PairStore.load(path)
+
+
+def made_stores(
+    folder: Path,
+    count: int,
+    kind: str,
+    sentences: Sequence[str],
+    held_out: HeldOut,
+    *,
+    gaits: float = 0.0,
+    seed: int = TRAINING,
+    jobs: int | None = None,
+    say: Callable[[str], None] = print,
+) -> PairStore:
+    """`count` made clips in shards, made side by side; what is there is used again."""
+    shards = -(-count // SHARD)
+    jobs = jobs or os.cpu_count() or 1
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [folder / f"made-{seed + i:07d}.npz" for i in range(shards)]
+    missing = [(path, seed + i) for i, path in enumerate(paths) if not path.exists()]
+    if missing:
+        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+            tasks = [pool.submit(_make_shard, path, s, kind, tuple(sentences), held_out, gaits) for path, s in missing]
+            for done, task in enumerate(tasks, 1):
+                task.result()
+                say(f"made {done * SHARD} of {len(missing) * SHARD} clips")
+    return PairStore.joined([PairStore.load(path) for path in paths])
+
+
+def _make_shard(path: Path, seed: int, kind: str, sentences: Sequence[str], held_out: HeldOut, gaits: float) -> None:
+    made_store(path, seed, SHARD, kind, sentences, held_out, gaits)
+
+
+def real_store(
+    takes: Iterable[CaptionedTake], kind: FeatureKind, *, varied: bool, held_out: HeldOut, recombine: int = 0
+) -> PairStore:
+    """Pairs of captioned takes, and so many new ones put together from their pieces."""
+    takes = list(takes)
+    own = ((Pair(x, captions), None) for take in takes for x, captions in real_clips(take, kind, varied=varied))
+    new = (
+        (Pair(kind.compute(x.motion), x.captions, swapped=x.swapped), x.scene)
+        for x in recombined(takes, recombine, np.random.default_rng(TRAINING))
+    )
+    rng = np.random.default_rng(TRAINING)
+    allowed = ((kept, scene) for pair, scene in chain(own, new) if (kept := _without(pair, held_out)).captions)
+    return PairStore(_without(_retold(pair, scene, rng), held_out) if varied else pair for pair, scene in allowed)
+
+
+def _retold(pair: Pair, scene: Scene | None, rng: np.random.Generator) -> Pair:
+    """The pair with what its captions say as facts, and in other words, too, where one is understood."""
+    retold = retell(pair.captions, rng, scene=scene)
+    if retold is None:
+        return pair
+    twins = (*(pair.swapped or ("",) * len(pair.captions)), *retold.swapped)
+    return Pair(pair.features, (*pair.captions, *retold.captions), retold.meanings, retold.facts, twins)
+
+
+def _without(pair: Pair, held_out: HeldOut) -> Pair:
+    """The pair without the captions that are held out, and without their false twins."""
+    kept = [i for i, caption in enumerate(pair.captions) if not held_out(caption)]
+    swapped = tuple("" if held_out(pair.swapped[i]) else pair.swapped[i] for i in kept) if pair.swapped else ()
+    meanings = None if pair.meanings is None else tuple(pair.meanings[i] for i in kept)
+    return replace(pair, captions=tuple(pair.captions[i] for i in kept), meanings=meanings, swapped=swapped)
+
+
+def unrelated_sentences(count: int, seed: int = 0) -> list[str]:
+    """Distinct sentences about anything but motion."""
+    rng = np.random.default_rng(seed)
+    found = dict.fromkeys(unrelated_sentence(rng) for _ in range(2 * count))
+    return list(found)[:count]

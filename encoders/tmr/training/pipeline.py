@@ -1,0 +1,119 @@
+"""A training run from data to a model, validated on made and on real clips it has not seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from encoders.corpus.composition.facts import stated_by
+from encoders.metrics import ranks
+from encoders.tmr.model.network import TMR
+from encoders.tmr.model.normaliser import Normaliser
+from encoders.tmr.text.language_model import LanguageModel
+from encoders.tmr.text.token_features import TokenTable
+from encoders.tmr.training.batches import Batches
+from encoders.tmr.training.embed import embed_motions, embed_texts
+from encoders.tmr.training.loop import Trainer
+from encoders.tmr.training.pairs import PairStore
+from encoders.tmr.training.recipe import Recipe
+
+
+@dataclass(frozen=True)
+class Validation:
+    """Pairs a model is validated on while it trains."""
+
+    made: PairStore
+    real: PairStore | None
+    tokens: TokenTable
+    texts: dict[str, int]
+    normaliser: Normaliser
+    max_frames: int
+
+    def __call__(self, model: TMR) -> dict[str, float]:
+        """R@1 and R@10 on made clips (any clip of which the sentence is true counts), R@1/5/10 on real ones."""
+        return {**self._made(model), **(self._real(model) if self.real else {})}
+
+    def _made(self, model: TMR) -> dict[str, float]:
+        store = self.made
+        motions = embed_motions(model, store, self.normaliser, self.max_frames)
+        first = [self.texts[store.texts[captions[0]]] for captions in store.captions]
+        similarity = embed_texts(model, self.tokens, first) @ motions.T
+        meanings = [m[0] for m in store.meanings if m is not None]
+        right = stated_by(meanings, [f or [] for f in store.facts], len(store.vocabulary))
+        np.fill_diagonal(right, True)
+        rank = ranks(similarity, right)
+        strict = ranks(similarity)
+        figures = {
+            "made_R@1": 100 * float(np.mean(rank < 1)),
+            "made_R@10": 100 * float(np.mean(rank < 10)),
+            "strict_R@1": 100 * float(np.mean(strict < 1)),
+            "strict_MedR": float(np.median(strict)) + 1,
+        }
+        changed = [i for i, row in enumerate(store.swapped) if row[0] >= 0]
+        if changed:
+            wrong = embed_texts(model, self.tokens, [self.texts[store.texts[store.swapped[i][0]]] for i in changed])
+            told = np.einsum("nd,nd->n", wrong, motions[changed]) < np.diagonal(similarity)[changed]
+            figures["swapped"] = 100 * float(told.mean())
+        return figures
+
+    def _real(self, model: TMR) -> dict[str, float]:
+        assert self.real is not None
+        store = self.real
+        motions = embed_motions(model, store, self.normaliser, self.max_frames)
+        asked: dict[str, list[int]] = {}
+        for i, captions in enumerate(store.captions):
+            for caption in captions:
+                asked.setdefault(store.texts[caption], []).append(i)
+        right = np.zeros((len(asked), len(store)), bool)
+        for row, clips in zip(right, asked.values(), strict=True):
+            row[clips] = True
+        similarity = embed_texts(model, self.tokens, [self.texts[t] for t in asked]) @ motions.T
+        rank = ranks(similarity, right)
+        return {f"real_R@{k}": 100 * float(np.mean(rank < k)) for k in (1, 5, 10)}
+
+
+def prepare(
+    recipe: Recipe,
+    made: PairStore,
+    real: PairStore | None,
+    validation_made: PairStore,
+    validation_real: PairStore | None,
+    unrelated: Sequence[str],
+    language: LanguageModel,
+    cache: Path,
+    normaliser: Normaliser | None = None,
+) -> tuple[Batches, Validation, Normaliser]:
+    """Token features, normaliser (where none is given, of these clips), and what draws batches and validates."""
+    stores = [s for s in (made, real, validation_made, validation_real) if s is not None]
+    texts = {text: i for i, text in enumerate(dict.fromkeys([*unrelated, *(t for s in stores for t in s.texts)]))}
+    tokens = TokenTable(list(texts), language, cache, bf16=recipe.bf16)
+    if normaliser is None:
+        sources = [made.features] if real is None else [made.features, real.features]
+        normaliser = Normaliser.of(np.concatenate([f[:: max(1, len(f) // 100_000)] for f in sources]))
+    batches = Batches(made, real, unrelated, tokens, texts, normaliser, recipe)
+    return (
+        batches,
+        Validation(validation_made, validation_real, tokens, texts, normaliser, recipe.max_frames),
+        normaliser,
+    )
+
+
+def train(
+    folder: Path,
+    recipe: Recipe,
+    batches: Batches,
+    validate: Callable[[TMR], dict[str, float]],
+    normaliser: Normaliser,
+    *,
+    start: TMR | None = None,
+    every: int = 200,
+    minutes: float = float("inf"),
+    say: Callable[[str], None] = print,
+) -> TMR:
+    """Train (or go on training) in `folder`, a new run from `start`; the normaliser is kept beside the run."""
+    trainer = Trainer(folder, recipe, batches, start)
+    normaliser.save(folder)
+    return trainer.run(evaluate=validate, every=every, minutes=minutes, say=say)

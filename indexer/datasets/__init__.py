@@ -1,0 +1,1 @@
+"""Folders of captioned motion to train and validate on."""

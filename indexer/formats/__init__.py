@@ -1,0 +1,1 @@
+"""A motion file becomes a Take: one module a format, and the table of formats."""

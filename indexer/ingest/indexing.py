@@ -1,0 +1,243 @@
+"""Ingest: scan -> read and retarget -> features -> encode in batches -> commit. Run again, it does what changed."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from encoders.errors import LibraryError
+from encoders.motion import Motion
+from indexer.formats.table import READABLE
+from indexer.ingest import captions
+from indexer.ingest.captions import Synced
+from indexer.ingest.changes import Changes, compare
+from indexer.ingest.encode import encode
+from indexer.ingest.pool import Read, Request, read_all
+from indexer.ingest.reencode import reencode
+from indexer.ingest.scan import walk
+from indexer.store.read_options import Asked
+from indexer.store.stored_library import FILE, FOLDER, Library
+from indexer.store.writer import INDEXED, Source, Writer, writing
+
+if TYPE_CHECKING:
+    from encoders.bundle.bundle import Bundle
+
+__all__ = ["Progress", "Summary", "index", "reencode"]
+
+#: Called with how many files are done, how many there are to do, and the path of the last one.
+Progress = Callable[[int, int, str], None]
+
+#: Stored frames (20 a second) and files in a batch; a long take is a batch of its own.
+_BATCH_FRAMES, _BATCH_FILES = 12_000, 64
+
+
+@dataclass
+class Summary:
+    """What a run did.
+
+    Attributes
+    ----------
+    indexed, unchanged, moved, gone : int
+        Files: read and encoded, indexed as they were, found elsewhere, vanished.
+    failed : list of (path, reason)
+        Files tried in this run that cannot be read.
+    seconds : float
+        How long it took.
+    failed_before : int
+        Files as they were that could not be read when they were tried.
+    warnings : list of str
+        What was passed over, and why.
+    interrupted : bool
+        Whether Ctrl-C ended the run early; what was done is kept.
+    """
+
+    indexed: int = 0
+    unchanged: int = 0
+    moved: int = 0
+    gone: int = 0
+    failed: list[tuple[str, str]] = field(default_factory=list)
+    seconds: float = 0.0
+    failed_before: int = 0
+    warnings: list[str] = field(default_factory=list)
+    interrupted: bool = False
+
+
+@dataclass(frozen=True)
+class _Task:
+    """A file to be read: where it lies, and what the library will know of it."""
+
+    root: Path
+    source: Source
+
+    @property
+    def path(self) -> Path:
+        return self.root / self.source.file.path
+
+
+def index(
+    roots: str | PathLike[str] | Iterable[str | PathLike[str]],
+    *,
+    library: str | PathLike[str] | None = None,
+    bundle: Bundle | None = None,
+    jobs: int | None = None,
+    fps: float | None = None,
+    joint_map: Mapping[str, str] | None = None,
+    retry: bool = False,
+    progress: Progress | None = None,
+) -> Summary:
+    """Bring the library of one or several folders up to date.
+
+    What is done is kept whenever it ends: at Ctrl-C it returns early, and killed it loses the batch in flight.
+
+    Parameters
+    ----------
+    roots : path or paths
+        Folders to index; with `library`, none means those it already has.
+    library : path, optional
+        The library folder; by default `.motionseek` in the folder, so it must be named for several.
+    bundle : Bundle, optional
+        The model; the default one if not given.
+    jobs : int, optional
+        Processes that read; by default one a core.
+    fps : float, optional
+        Frame rate of the files, where they say none or a wrong one; a captions table's goes before it. Remembered
+        for each file, as is `joint_map`: files indexed otherwise before are read again, and later runs need not say it.
+    joint_map : mapping, optional
+        Target joint to joint name in the files; for those that have all these joints.
+    retry : bool
+        Read unchanged files again that could not be read before.
+    progress : callable, optional
+        See `Progress`.
+
+    Raises
+    ------
+    LibraryError
+        If a folder is missing, or the library cannot be written or is being written by another process.
+    BundleMismatch
+        If the library holds the vectors of another model.
+    """
+    began = time.monotonic()
+    place, folders = _places(roots, library)
+    if bundle is None:
+        from encoders.bundle.bundle import Bundle
+
+        bundle = Bundle.load()
+    summary = Summary()
+    with writing(place) as writer:
+        with writer.batch():
+            model_id = writer.use_model(bundle)
+            keys = {writer.root(folder): folder for folder in folders}
+        synced: dict[int, Synced] = {}
+        requests: list[Request[_Task]] = []
+        for key, folder in keys.items():
+            synced[key], changes = _look(writer, folder, key, Asked(fps, joint_map, retry), summary)
+            requests += [_request(folder, source) for source in changes.read]
+        _read_and_encode(writer, bundle, model_id, requests, jobs or os.cpu_count() or 1, summary, progress)
+        for key, folder in keys.items():
+            summary.warnings += captions.unmatched(writer.connection, folder, synced[key])
+        captions.encode_texts(writer, bundle, model_id)
+    with Library.open(place, bundle=bundle) as made:
+        made.prepare()
+    summary.seconds = time.monotonic() - began
+    return summary
+
+
+def _places(
+    roots: str | PathLike[str] | Iterable[str | PathLike[str]], library: str | PathLike[str] | None
+) -> tuple[Path, list[Path]]:
+    """The library folder and the folders to index."""
+    given = [roots] if isinstance(roots, (str, PathLike)) else list(roots)
+    if library is None and len(given) != 1:
+        raise LibraryError(f"{len(given)} folders need one library; name it with --library DIR")
+    place = Path(given[0], FOLDER) if library is None else Path(library)
+    if library is not None and not (place / FILE).is_file() and (place / FOLDER / FILE).is_file():
+        place /= FOLDER
+    if not given:
+        with Library.open(place) as known:
+            given = list(known.roots)
+    folders = list(dict.fromkeys(Path(folder).resolve() for folder in given))
+    for folder in folders:
+        if not folder.is_dir():
+            raise LibraryError(f"{folder}: no such folder, so nothing was changed; is its drive connected?")
+    return place.resolve(), folders
+
+
+def _request(root: Path, source: Source) -> Request[_Task]:
+    recipe = source.recipe
+    return Request(_Task(root, source), root / source.file.path, recipe.fps, dict(recipe.joint_map) or None)
+
+
+def _look(writer: Writer, root: Path, root_id: int, asked: Asked, summary: Summary) -> tuple[Synced, Changes]:
+    """Walk one folder; captions, moves and losses are noted at once, what is to be read is returned."""
+    try:
+        folders = list(walk(root, summary.warnings.append))
+    except OSError as error:
+        raise LibraryError(f"{root}: cannot be listed ({error.strerror}), so nothing was changed") from error
+    if not writer.folder.is_relative_to(root) and not any(folder.files for folder in folders) and writer.known(root_id):
+        raise LibraryError(f"{root}: is empty, so nothing was changed; is its drive connected?")
+    motions = {folder.path: folder.motions(READABLE) for folder in folders}
+    beside = [pair for folder in folders for pair in folder.side_files(motions[folder.path])]
+    with writer.batch():
+        synced = captions.sync(writer.connection, root, root_id, beside, summary.warnings.append)
+        rates = captions.rates(writer.connection, root_id, synced)
+        found = [file for files in motions.values() for file in files]
+        changes = compare(writer, root, root_id, folders, found, asked, rates)
+        writer.note(changes)
+        captions.forget(writer.connection, synced.vanished)
+    summary.unchanged += changes.unchanged
+    summary.failed_before += changes.failed_before
+    summary.moved += len(changes.moved)
+    summary.gone += sum(known.state == INDEXED for known in changes.gone)
+    summary.failed += [(str(root / source.file.path), reason) for source, reason in changes.unreadable]
+    return synced, changes
+
+
+def _read_and_encode(
+    writer: Writer,
+    bundle: Bundle,
+    model_id: int,
+    requests: list[Request[_Task]],
+    jobs: int,
+    summary: Summary,
+    progress: Progress | None,
+) -> None:
+    batch: list[tuple[_Task, Read]] = []
+    done = 0
+
+    def commit() -> None:
+        nonlocal done
+        _commit(writer, bundle, model_id, batch, summary)
+        done += len(batch)
+        if progress is not None and batch:
+            progress(done, len(requests), str(batch[-1][0].path))
+        batch.clear()
+
+    if progress is not None:
+        progress(0, len(requests), "")
+    try:
+        for task, read in read_all(requests, min(jobs, max(len(requests), 1))):
+            batch.append((task, read))
+            if len(batch) >= _BATCH_FILES or sum(len(read.motion or ()) for _, read in batch) >= _BATCH_FRAMES:
+                commit()
+    except KeyboardInterrupt:
+        summary.interrupted = True
+    commit()
+
+
+def _commit(writer: Writer, bundle: Bundle, model_id: int, batch: list[tuple[_Task, Read]], summary: Summary) -> None:
+    """Encode what was read and write it down with what could not be, as one transaction."""
+    good: list[tuple[_Task, Motion, str]] = [(task, read.motion, read.rig) for task, read in batch if read.motion]
+    bad = [(task, read.reason) for task, read in batch if read.motion is None]
+    encoded = encode(bundle, [motion for _, motion, _ in good])
+    with writer.batch():
+        for (task, motion, rig), vectors in zip(good, encoded, strict=True):
+            writer.add(task.source, motion, rig, vectors, model_id)
+        for task, reason in bad:
+            writer.fail(task.source, reason)
+    summary.indexed += len(good)
+    summary.failed += [(str(task.path), reason) for task, reason in bad]

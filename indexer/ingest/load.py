@@ -1,0 +1,33 @@
+"""A motion file of any rig becomes a Motion."""
+
+from __future__ import annotations
+
+from os import PathLike
+
+from encoders.motion import Motion
+from indexer.formats.table import read_take
+from indexer.rigs.retarget import retarget
+
+
+def load_motion(
+    path: str | PathLike[str], *, fps: float | None = None, joint_map: dict[str, str] | None = None
+) -> Motion:
+    """Read a motion file of any rig and bring it to the 22 joints at 20 frames a second.
+
+    Parameters
+    ----------
+    path : path
+        A file of one of the kinds in `indexer.formats.table.READABLE`.
+    fps : float, optional
+        The file's true frame rate, where it says none or a wrong one.
+    joint_map : dict, optional
+        Target joint to joint name in the file, over what is found by itself.
+
+    Raises
+    ------
+    UnreadableMotion
+        If the file holds no motion that can be read.
+    UnknownRig
+        If its skeleton cannot be mapped; names what is missing.
+    """
+    return retarget(read_take(path, fps=fps), path=path, joint_map=joint_map)

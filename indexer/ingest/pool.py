@@ -1,0 +1,203 @@
+"""Reading in processes of their own, so that a file that crashes, hangs or eats memory costs itself alone."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections import deque
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+from encoders.errors import MotionSeekError
+from encoders.motion import Motion
+from encoders.skeleton import JOINTS
+from indexer.ingest.worker import READY
+
+READ = "indexer.ingest.worker:read"
+
+#: Seconds a file may take: so many, and so many more for each MB.
+PATIENCE, PATIENCE_A_MB = 60.0, 2.0
+
+#: Results that may wait for each process: enough to keep all busy while one has a long file.
+_AHEAD = 4
+
+#: Seconds a process may take from its last word to its end.
+_ENDING = 5.0
+
+_START = (
+    "import json, sys; path, target = json.loads(sys.argv[1]); sys.path[:] = path; "
+    "from indexer.ingest.worker import serve; serve(target)"
+)
+
+Key = TypeVar("Key")
+
+
+@dataclass(frozen=True)
+class Read:
+    """What became of a file: its motion and rig, or the reason why there is none."""
+
+    motion: Motion | None
+    rig: str = ""
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Request(Generic[Key]):
+    """A file to read; `key` is the caller's own."""
+
+    key: Key
+    path: Path
+    fps: float | None = None
+    joint_map: dict[str, str] | None = None
+
+
+def read_all(
+    requests: Iterable[Request[Key]], jobs: int, *, patience: float = PATIENCE, target: str = READ
+) -> Iterator[tuple[Key, Read]]:
+    """Read files in `jobs` processes; results come in the order of the requests.
+
+    Few requests are taken ahead of what is consumed, so memory does not grow with their number.
+
+    Parameters
+    ----------
+    patience : float
+        Seconds a small file may take before its process is ended.
+    target : str
+        "module:function" that reads; see `indexer.ingest.worker.serve`.
+
+    Raises
+    ------
+    MotionSeekError
+        If processes cannot be started: then it is not the files' fault.
+    """
+    workers: list[_Worker] = []
+    local = threading.local()
+
+    def read(request: Request[Key]) -> Read:
+        if not hasattr(local, "worker"):
+            local.worker = _Worker(target)
+            workers.append(local.worker)
+        answer: Read = local.worker.read(request, patience)
+        return answer
+
+    pool = ThreadPoolExecutor(jobs, thread_name_prefix="reading")
+    waiting: deque[tuple[Key, Future[Read]]] = deque()
+    try:
+        for request in requests:
+            waiting.append((request.key, pool.submit(read, request)))
+            while len(waiting) > _AHEAD * jobs or (waiting and waiting[0][1].done()):
+                key, future = waiting.popleft()
+                yield key, future.result()
+        while waiting:
+            key, future = waiting.popleft()
+            yield key, future.result()
+    finally:
+        for _, future in waiting:
+            future.cancel()
+        for worker in workers:
+            worker.end()
+        pool.shutdown(cancel_futures=True)
+
+
+class _Worker:
+    """One reading process, started when it is needed and again after it died."""
+
+    def __init__(self, target: str) -> None:
+        self._target = target
+        self._process: subprocess.Popen[bytes] | None = None
+        self._ended = False
+
+    def read(self, request: Request[Any], patience: float) -> Read:
+        if self._ended:
+            return Read(None, reason="interrupted")
+        process = self._process or self._start()
+        late = threading.Event()
+
+        def give_up() -> None:
+            late.set()
+            process.kill()
+
+        with suppress(OSError):  # the reader says it better
+            patience += PATIENCE_A_MB * request.path.stat().st_size / 1e6
+        timer = threading.Timer(patience, give_up)
+        timer.start()
+        try:
+            return _ask(process, request)
+        except (OSError, ValueError):
+            self._process = None
+            return Read(None, reason=_cause(_wait(process), patience if late.is_set() else None))
+        finally:
+            timer.cancel()
+
+    def _start(self) -> subprocess.Popen[bytes]:
+        # Isolated, then given this process's own import path: nothing in the working directory is imported.
+        path = [entry for entry in sys.path if entry] + [str(Path(__file__).parents[2])]
+        try:
+            process = self._process = subprocess.Popen(
+                [sys.executable, "-I", "-c", _START, json.dumps([path, self._target])],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+            )
+        except OSError as error:
+            raise MotionSeekError(f"{sys.executable}: a process to read files cannot be started ({error})") from error
+        assert process.stdout is not None
+        if process.stdout.readline() != READY and not self._ended:
+            raise MotionSeekError(
+                f"a process to read files ends as it starts (exit code {_wait(process)}); "
+                f"'{sys.executable} -m indexer.ingest.worker' shows why"
+            )
+        return process
+
+    def end(self) -> None:
+        """End the process, whatever it is doing."""
+        self._ended = True
+        if self._process is not None:
+            self._process.kill()
+            _wait(self._process)
+
+
+def _ask(process: subprocess.Popen[bytes], request: Request[Any]) -> Read:
+    """One request and its answer. Raises OSError or ValueError where the process dies over it."""
+    assert process.stdin is not None
+    assert process.stdout is not None
+    said = {"path": str(request.path), "fps": request.fps, "joint_map": request.joint_map}
+    process.stdin.write(json.dumps(said).encode() + b"\n")
+    process.stdin.flush()
+    header = json.loads(process.stdout.readline())
+    if "reason" in header:
+        return Read(None, reason=header["reason"])
+    data = process.stdout.read(header["frames"] * len(JOINTS) * 3 * 4)
+    joints = np.frombuffer(data, np.float32).reshape(header["frames"], len(JOINTS), 3)
+    return Read(Motion(joints, header["fps"]), header["rig"])
+
+
+def _wait(process: subprocess.Popen[bytes]) -> int:
+    """The exit code of a process that is ending; one that has only stopped answering is killed."""
+    for pipe in (process.stdin, process.stdout):
+        if pipe is not None:
+            with suppress(OSError):
+                pipe.close()
+    with suppress(subprocess.TimeoutExpired):
+        return process.wait(_ENDING)
+    process.kill()
+    return process.wait()
+
+
+def _cause(code: int, patience: float | None) -> str:
+    if patience is not None:
+        return f"reading took more than {patience:.0f} s and was ended"
+    if code == -signal.SIGKILL:
+        return "reading it was killed, perhaps for want of memory; cut it into shorter takes"
+    return f"reading it crashed ({signal.Signals(-code).name if code < 0 else f'exit code {code}'})"

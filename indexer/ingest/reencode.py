@@ -1,0 +1,81 @@
+"""Bring a library under another model, from stored poses: no source file is opened."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from os import PathLike
+from typing import TYPE_CHECKING
+
+from indexer.ingest import captions
+from indexer.ingest.encode import encode
+from indexer.store.stored_library import Library
+from indexer.store.writer import Writer, writing
+
+if TYPE_CHECKING:
+    from encoders.bundle.bundle import Bundle
+
+_BATCH_CLIPS = 32
+
+
+def reencode(
+    library: str | PathLike[str],
+    bundle: Bundle | None = None,
+    *,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> int:
+    """Encode every clip and caption of a library again; how many clips.
+
+    The old vectors answer until the last new one is there, then all change at once. Ended early, a second call
+    goes on where the first one stopped.
+
+    Parameters
+    ----------
+    library : path
+        The library folder or the indexed folder.
+    bundle : Bundle, optional
+        The new model; the default one if not given.
+    progress : callable, optional
+        Called with clips done, clips to do and the last one's path.
+
+    Raises
+    ------
+    LibraryError
+        If there is no library, its poses are damaged, or it is being written by another process.
+    """
+    if bundle is None:
+        from encoders.bundle.bundle import Bundle
+
+        bundle = Bundle.load()
+    with Library.open(library) as poses, writing(poses.folder) as writer:
+        with writer.batch():
+            model_id = writer.use_model(bundle, current=False)
+        total = _encode_clips(poses, writer, bundle, model_id, progress)
+        captions.encode_texts(writer, bundle, model_id)
+        with writer.batch():
+            writer.switch_model(model_id)
+        folder = poses.folder
+    with Library.open(folder, bundle=bundle) as made:
+        made.prepare()
+    return total
+
+
+def _encode_clips(
+    library: Library,
+    writer: Writer,
+    bundle: Bundle,
+    model_id: int,
+    progress: Callable[[int, int, str], None] | None,
+) -> int:
+    """Vectors for every clip that has none under the model; how many clips there are."""
+    ids = library.ids()
+    left = library.ids("clips.id NOT IN (SELECT clip_id FROM embeddings WHERE model_id = ?)", [model_id])
+    for first in range(0, len(left), _BATCH_CLIPS):
+        batch = left[first : first + _BATCH_CLIPS]
+        encoded = encode(bundle, [library.motion(clip_id) for clip_id in batch])
+        with writer.batch():
+            for clip_id, vectors in zip(batch, encoded, strict=True):
+                writer.put_vectors(int(clip_id), vectors, model_id)
+        if progress is not None:
+            done = len(ids) - len(left) + first + len(batch)
+            progress(done, len(ids), library.clip(batch[-1]).path)
+    return len(ids)

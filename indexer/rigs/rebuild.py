@@ -1,0 +1,135 @@
+"""A figure of any rig becomes the 22 joints, with the target skeleton's bone lengths.
+
+Rigs agree on where hips, knees, ankles, shoulders, elbows and wrists are; they differ in where they put the
+pelvis, the vertebrae and the collar bones. So only the former are taken as they are. The trunk is rebuilt on
+them: frames of pelvis and chest from hips, shoulders, back and neck, and in these the offsets of the target
+skeleton. What is left of a rig's own build is known from its rest pose and taken off (`calibration`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from encoders.geometry import Array, angle_between, frames, unit
+from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS, PARENTS
+from indexer.rigs.landmarks import Figure
+from indexer.rigs.mapping import SIDES
+from indexer.rigs.rest_pose import FOOT, Calibration, foot_frames, trunk_frames
+
+#: Directions of the trunk's bones in an upright body facing +Z (rounded means over HumanML3D and KIT-ML).
+_UPRIGHT = {
+    "left_hip": (0.058, -0.083, -0.008),
+    "right_hip": (-0.058, -0.083, -0.008),
+    "spine1": (0.0, 0.122, -0.034),
+    "spine2": (0.0, 0.130, 0.034),
+    "spine3": (0.0, 0.050, 0.019),
+    "neck": (0.0, 0.209, 0.0),
+    "left_collar": (0.073, 0.112, -0.006),
+    "right_collar": (-0.073, 0.112, -0.006),
+}
+LEG, ARM = ("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")
+#: How far up the back each trunk bone lies: 0 turns with the pelvis, 1 with the chest.
+_SHARES = {"spine1": 0.0, "spine2": 0.4, "spine3": 0.8, "neck": 1.0}
+
+
+def offset(joint: str) -> Array:
+    """The bone that ends at a trunk joint, in an upright body facing +Z, in metres."""
+    return unit(np.array(_UPRIGHT[joint])) * float(BONE_LENGTHS[INDEX[joint]])
+
+
+def build(figure: Figure, scale: float, calibration: Calibration) -> Array:
+    """Joints (T, 22, 3) in metres out of a right-handed figure with Y up.
+
+    Parameters
+    ----------
+    figure : Figure
+        Landmarks over time.
+    scale : float
+        Metres in a unit of the figure.
+    calibration : Calibration
+        What the rig's rest pose says about its own build.
+    """
+    low, high = trunk_frames(figure)
+    low, high = low @ calibration.low.T, high @ calibration.high.T
+    joints = np.zeros((len(figure), len(JOINTS), 3))
+
+    def put(joint: str, direction: Array) -> None:
+        at = INDEX[joint]
+        joints[:, at] = joints[:, PARENTS[at]] + unit(direction) * BONE_LENGTHS[at]
+
+    middle = (offset("left_hip") + offset("right_hip")) / 2
+    joints[:, 0] = figure.middle("hip") * scale - low @ middle
+    for joint, share in _SHARES.items():
+        put(joint, _between(low, high, share) @ offset(joint))
+    put("head", _turned(figure.bone("neck", "head"), high, calibration.head))
+    for side in SIDES:
+        put(f"{side}_hip", low @ offset(f"{side}_hip"))
+        put(f"{side}_collar", high @ offset(f"{side}_collar"))
+        from_neck = (high.swapaxes(-1, -2) @ figure.bone("neck", f"{side}_shoulder")[..., None])[..., 0]
+        shoulder = joints[:, INDEX["neck"]] + (high @ calibration.shoulder(side, from_neck)[..., None])[..., 0]
+        put(f"{side}_shoulder", shoulder - joints[:, INDEX[f"{side}_collar"]])
+        for limb, bones in ((LEG, _leg), (ARM, _arm)):
+            for joint, bone in zip(limb[1:], bones(figure, side, calibration), strict=True):
+                put(f"{side}_{joint}", bone)
+        ground = foot_frames(figure, side)
+        if f"{side}_toe" in figure.marks:
+            put(f"{side}_foot", _turned(figure.bone(f"{side}_ankle", f"{side}_toe"), ground, calibration.feet[side]))
+        else:
+            put(f"{side}_foot", ground @ FOOT)
+    return joints
+
+
+def rebuild(joints: Array, scale: float) -> Array:
+    """The 22 joints (T, 22, 3) of another body with the target skeleton's bone lengths, all directions kept.
+
+    `scale` is metres in a unit of the joints.
+    """
+    rebuilt = np.empty_like(joints)
+    rebuilt[:, 0] = joints[:, 0] * scale
+    for at in range(1, len(JOINTS)):
+        parent = PARENTS[at]
+        rebuilt[:, at] = rebuilt[:, parent] + unit(joints[:, at] - joints[:, parent]) * BONE_LENGTHS[at]
+    return rebuilt
+
+
+def _turned(directions: Array, local: Array, fix: Array) -> Array:
+    """Directions (T, 3) turned by a rotation (3, 3) given in local frames (T, 3, 3)."""
+    turned: Array = (local @ fix @ local.swapaxes(-1, -2) @ directions[..., None])[..., 0]
+    return turned
+
+
+def _between(low: Array, high: Array, share: float) -> Array:
+    """Rotations a share of the way from one to another, by blending their axes."""
+    blend = low * (1 - share) + high * share
+    return frames(blend[..., 0], blend[..., 1])
+
+
+def _arm(figure: Figure, side: str, calibration: Calibration) -> tuple[Array, Array]:
+    """Directions (T, 3) of upper arm and forearm, the elbow straightened by its bend in the rest pose."""
+    first, second, bend = _limb(figure, side, ARM, calibration)
+    away = unit(second - first * (first * second).sum(-1, keepdims=True))
+    return first, first * np.cos(bend) + away * np.sin(bend)
+
+
+def _leg(figure: Figure, side: str, calibration: Calibration) -> tuple[Array, Array]:
+    """Directions (T, 3) of upper leg and shank, the knee straightened by its bend in the rest pose.
+
+    Rigs divide a leg differently at the knee but agree on where the foot is, so the direction from hip to ankle
+    is kept and the target's two bones are laid into a triangle over it.
+    """
+    first, _, bend = _limb(figure, side, LEG, calibration)
+    reach = unit(figure.bone(f"{side}_hip", f"{side}_ankle"))
+    pole = unit(first - reach * (first * reach).sum(-1, keepdims=True))
+    a, b = (float(BONE_LENGTHS[INDEX[f"{side}_{joint}"]]) for joint in LEG[1:])
+    lift = np.arctan2(b * np.sin(bend), a + b * np.cos(bend))  # between the upper leg and the reach
+    return reach * np.cos(lift) + pole * np.sin(lift), reach * np.cos(bend - lift) - pole * np.sin(bend - lift)
+
+
+def _limb(
+    figure: Figure, side: str, limb: tuple[str, str, str], calibration: Calibration
+) -> tuple[Array, Array, Array]:
+    """A limb's two directions (T, 3) and how much it is bent (T, 1) in radians, beyond the rest pose."""
+    root, middle, end = (f"{side}_{joint}" for joint in limb)
+    first, second = unit(figure.bone(root, middle)), unit(figure.bone(middle, end))
+    bend = np.radians(angle_between(first, second) - calibration.bends[middle]).clip(0)
+    return first, second, bend[:, None]

@@ -1,0 +1,143 @@
+"""Any rig -> Motion: find the body in the take, stand it up, scale it, rebuild it on the 22 joints at 20 fps."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from os import PathLike
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.errors import UnreadableMotion
+from encoders.geometry import angle_between
+from encoders.motion import FPS, Motion
+from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS
+from indexer.formats.take import Take
+from indexer.rigs.landmarks import Figure, sampled
+from indexer.rigs.mapping import SIDES, map_rig
+from indexer.rigs.orientation import orientation
+from indexer.rigs.rebuild import ARM, LEG, build, rebuild
+from indexer.rigs.rest_pose import calibrate
+
+#: Upper leg and shank of the target skeleton, metres.
+LEG_LENGTH = float(
+    sum(BONE_LENGTHS[INDEX[f"{side}_{joint}"]] for side in ("left", "right") for joint in ("knee", "ankle")) / 2
+)
+
+#: Longer takes are wrong about their frame rate, or should be cut.
+MAX_HOURS = 12
+
+#: Share of a leg's length below which two joints are one.
+_POINT = 1e-3
+#: Mean way of a landmark from the hips, in leg lengths, below which a pose is the same.
+_STILL = 0.03
+#: Mean speed of all landmarks, in leg lengths a second, that is no movement: out of rest, and at all.
+_RUSH = 1.5, 5.0
+
+
+@np.errstate(over="ignore", invalid="ignore")  # what becomes of absurd values is checked
+def retarget(
+    take: Take,
+    *,
+    path: str | PathLike[str],
+    joint_map: dict[str, str] | None = None,
+    fps: float | None = None,
+) -> Motion:
+    """Bring a take to the 22 joints: metres, Y up, 20 fps, target bone lengths, lowest joint at height 0.
+
+    Heading and place are kept.
+
+    Parameters
+    ----------
+    take : Take
+        As read.
+    path : path
+        Named in errors.
+    joint_map : dict, optional
+        Target joint to joint name in the file, over what is found by itself.
+    fps : float, optional
+        The take's true frame rate, instead of what it says.
+
+    Raises
+    ------
+    UnknownRig
+        Where hips, knees, ankles, shoulders, elbows, wrists or the head cannot be found.
+    """
+    rig = map_rig(take, path, joint_map)
+    rate = fps or take.fps or FPS
+    _check_duration(path, len(take.positions) / rate)
+    figure, rest = Figure.of(take.positions, rig), Figure.of(take.rest[None], rig)
+    posing = frames_before_movement(figure, rest, rate)
+    if posing:
+        figure, rest = figure[posing:], figure[:1]
+    _check_bones(path, figure)
+    at = _grid(len(figure), rate)
+    figure = figure.sampled(at)
+    matrix = orientation(figure, rest)
+    scale = LEG_LENGTH / figure.leg_length()
+    if take.names == JOINTS and not joint_map:
+        joints = rebuild(sampled(take.positions[posing:], at) @ matrix.T, scale)
+    else:
+        figure, rest = figure.transformed(matrix), rest.transformed(matrix)
+        joints = build(figure, scale, calibrate(figure, rest))
+    joints[..., 1] -= joints[..., 1].min()
+    if not np.isfinite(joints).all():
+        raise UnreadableMotion(path, "its values are too large to be places of joints")
+    return Motion(joints.astype(np.float32), FPS)
+
+
+def _check_duration(path: str | PathLike[str], seconds: float) -> None:
+    if not 0 < seconds <= MAX_HOURS * 3600:
+        raise UnreadableMotion(path, f"it would last {seconds / 3600:.3g} hours; give the true frame rate with fps")
+
+
+def _check_bones(path: str | PathLike[str], figure: Figure) -> None:
+    """Every limb must have a length, and hips and shoulders a width, for directions to mean anything."""
+    size = figure.leg_length()
+    pairs = [(f"{side}_{a}", f"{side}_{b}") for side in SIDES for limb in (LEG, ARM) for a, b in pairwise(limb)]
+    pairs += [("left_hip", "right_hip"), ("left_shoulder", "right_shoulder")]
+    flat = [pair for pair in pairs if not np.median(np.linalg.norm(figure.bone(*pair), axis=-1)) > _POINT * size]
+    if not np.isfinite(size) or flat:
+        a, b = flat[0] if flat else pairs[0]
+        raise UnreadableMotion(path, f"{a} and {b} are at the same place: this skeleton has no body's shape")
+
+
+def _grid(frames: int, rate: float) -> NDArray[np.float64]:
+    """Times of the 20 fps grid, counted in frames of the file."""
+    count = int(np.floor((frames - 1) * FPS / rate + 1e-6)) + 1
+    at: NDArray[np.float64] = np.arange(count, dtype=np.float64) * (rate / FPS)
+    return at
+
+
+def frames_before_movement(figure: Figure, rest: Figure, rate: float) -> int:
+    """How many first frames are no movement: a rest pose or T-pose, and the rush from there to the first real pose.
+
+    Nobody moves all limbs so fast at once; programs do, that put a pose for binding before the recording and
+    smooth over the seam.
+    """
+    size = max(figure.leg_length(), 1e-9)
+    opening = figure[: round(rate) + 2]
+    both = [name for name in figure.marks if name in rest.marks]  # toes may be known in one alone
+    shapes = (opening.points(both) - opening.middle("hip")[:, None]) / size
+    at_rest = (rest.points(both) - rest.middle("hip")[:, None]) / size
+    posed = np.linalg.norm(shapes - shapes[:1], axis=-1).mean(axis=-1) < _STILL
+    count = len(posed) if posed.all() else int(posed.argmin())
+    speed = np.linalg.norm(np.diff(shapes, axis=0), axis=-1).mean(axis=-1) * rate
+    rush = np.clip(4 * np.median(speed[count - 1 :]) if count < len(shapes) else 0.0, *_RUSH)
+    slow = np.flatnonzero(speed[count - 1 :] < rush)
+    if not len(slow) or slow[0] == 0:
+        return 0
+    is_rest = np.linalg.norm(shapes[0] - at_rest[0], axis=-1).mean() < _STILL
+    return count - 1 + int(slow[0]) if is_rest or is_t_pose(figure[:1]) else 0
+
+
+def is_t_pose(figure: Figure) -> bool:
+    """A body (T = 1) that stands straight, arms stretched out sideways."""
+    trunk = figure.marks["neck"] - figure.middle("hip")
+    bones = [(figure.bone(f"{s}_hip", f"{s}_ankle"), -trunk) for s in SIDES]
+    bones += [
+        (figure.bone(f"{s}_{a}", f"{s}_{b}"), sign * figure.across("hip"))
+        for s, sign in zip(SIDES, (1, -1), strict=True)
+        for a, b in (("shoulder", "elbow"), ("elbow", "wrist"))
+    ]
+    return all(float(angle_between(bone, expected)[0]) < 25 for bone, expected in bones)

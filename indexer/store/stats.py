@@ -1,0 +1,42 @@
+"""A library in numbers."""
+
+from __future__ import annotations
+
+import sqlite3
+from pathlib import Path
+from typing import Any
+
+from indexer.store.clips import LIVE
+
+
+def stats(db: sqlite3.Connection, folder: Path, roots: list[Path]) -> dict[str, Any]:
+    """Counts of clips, seconds, windows, captions, files failed and gone; clips by format and rig; model; bytes."""
+    clips, seconds = db.execute(f"SELECT count(*), total(clips.duration) {LIVE}").fetchone()
+    states = dict(db.execute("SELECT state, count(*) FROM files GROUP BY state").fetchall())
+    model = db.execute(
+        "SELECT id, name, fingerprint FROM models WHERE id = (SELECT value FROM settings WHERE key = 'model')"
+    ).fetchone()
+    live = f"(SELECT clips.id {LIVE})"
+    captions = f"SELECT count(*) FROM captions WHERE text_id IS NOT NULL AND clip_id IN {live}"
+    windows = f"SELECT total(length(starts)) / 4 FROM windows WHERE model_id = ? AND clip_id IN {live}"
+    return {
+        "folder": str(folder),
+        "roots": [str(root) for root in roots],
+        "clips": clips,
+        "seconds": seconds,
+        "windows": int(db.execute(windows, (model[0],)).fetchone()[0]) if model else 0,
+        "captions": db.execute(captions).fetchone()[0],
+        "failed": states.get("failed", 0),
+        "gone": states.get("gone", 0),
+        "formats": _counted(db, "format"),
+        "rigs": _counted(db, "rig"),
+        "model": model[1] if model else None,
+        "fingerprint": model[2] if model else None,
+        "generation": db.execute("SELECT value FROM settings WHERE key = 'generation'").fetchone()[0],
+        "bytes": sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()),
+    }
+
+
+def _counted(db: sqlite3.Connection, column: str) -> dict[str, int]:
+    """Clips by a column's value, the most frequent first."""
+    return dict(db.execute(f"SELECT clips.{column}, count(*) {LIVE} GROUP BY 1 ORDER BY count(*) DESC, 1").fetchall())

@@ -1,0 +1,336 @@
+"""The library on disk, as its readers see it: clips, poses, captions, vectors."""
+
+from __future__ import annotations
+
+import sqlite3
+import threading
+from collections.abc import Iterable, Sequence
+from os import PathLike, fspath
+from pathlib import Path, PurePosixPath
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.bundle.windows import Windows
+from encoders.errors import BundleMismatch, LibraryError
+from encoders.motion import FPS, Motion
+from indexer.store import poses, schema
+from indexer.store.clips import LIVE, Caption, Clip, select
+from indexer.store.stats import stats
+from indexer.vectors.sync import CLIPS, WINDOWS, Galleries
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+    from encoders.bundle.bundle import Bundle
+
+CaptionVectors = tuple[list[str], NDArray[np.int64], NDArray[np.float32]]
+
+#: The folder inside an indexed folder, and the file in it that is the truth.
+FOLDER = ".motionseek"
+FILE = "library.sqlite"
+
+_VARIABLES = 500  # a statement takes only so many values
+
+
+class Library:
+    """An indexed folder. Safe to share between threads; what others write is seen at the next call."""
+
+    def __init__(self, folder: Path, *, bundle: Bundle | None = None) -> None:
+        self.folder = folder
+        self._bundle = bundle
+        self._local = threading.local()
+        self._closed = False
+        self._connections: list[sqlite3.Connection] = []
+        self._captions: tuple[int, CaptionVectors] | None = None
+        self._galleries = Galleries(folder / "vectors")
+        if bundle is not None:
+            self._check(bundle)
+
+    @classmethod
+    def open(cls, folder: str | PathLike[str], *, bundle: Bundle | None = None, create: bool = False) -> Self:
+        """Open the library of an indexed folder, or a library folder itself.
+
+        Parameters
+        ----------
+        folder : path
+        bundle : Bundle, optional
+            The model; the default one is loaded when it is first needed.
+        create : bool
+            Make `folder` itself an empty library folder where it is none yet.
+
+        Raises
+        ------
+        LibraryError
+            If there is no library, or it cannot be read.
+        BundleMismatch
+            If `bundle` is not the model whose vectors the library holds.
+        """
+        given = Path(folder)
+        for candidate in (given / FOLDER, given):
+            if (candidate / FILE).is_file():
+                return cls(candidate.resolve(), bundle=bundle)
+        if not create:
+            raise LibraryError(f"{given}: no library here; make one with 'motionseek index {given}'")
+        _create(given)
+        return cls(given.resolve(), bundle=bundle)
+
+    def close(self) -> None:
+        """Let go of the files; calls after it fail."""
+        self._closed = True
+        for connection in self._connections:
+            connection.close()
+        self._connections.clear()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def connection(self) -> sqlite3.Connection:
+        """This thread's connection; it can only read."""
+        if self._closed:
+            raise LibraryError(f"{self.folder}: the library is closed")
+        found: sqlite3.Connection | None = getattr(self._local, "connection", None)
+        if found is None:
+            found = self._local.connection = schema.connect(self.folder / FILE, writable=False)
+            self._connections.append(found)
+        return found
+
+    @property
+    def bundle(self) -> Bundle:
+        """The model.
+
+        Raises
+        ------
+        BundleMismatch
+            If the default bundle is not the model whose vectors the library holds.
+        """
+        if self._bundle is None:
+            from encoders.bundle.bundle import Bundle
+
+            bundle = Bundle.load()
+            self._check(bundle)
+            self._bundle = bundle
+        return self._bundle
+
+    def _check(self, bundle: Bundle) -> None:
+        model = self._model()
+        if model is not None and model["fingerprint"] != bundle.fingerprint:
+            raise BundleMismatch(
+                f"{self.folder}: made with the model {model['name']} ({model['fingerprint'][:12]}), not with "
+                f"{bundle.name} ({bundle.fingerprint[:12]}); re-encode it with 'motionseek index --rebuild'"
+            )
+
+    def _model(self) -> dict[str, Any] | None:
+        return _one(
+            self.connection,
+            "SELECT models.* FROM models JOIN settings ON settings.key = 'model' AND settings.value = models.id",
+        )
+
+    @property
+    def generation(self) -> int:
+        """Grows with every batch that is written."""
+        row = self.connection.execute("SELECT value FROM settings WHERE key = 'generation'").fetchone()
+        return int(row[0])
+
+    @property
+    def roots(self) -> list[Path]:
+        """The indexed folders."""
+        return list(self._roots().values())
+
+    def _roots(self) -> dict[int, Path]:
+        rows = self.connection.execute("SELECT id, path FROM roots ORDER BY id")
+        return {key: (self.folder / path).resolve() for key, path in rows}
+
+    def __len__(self) -> int:
+        return int(self.connection.execute(f"SELECT count(*) {LIVE}").fetchone()[0])
+
+    def ids(self, where: str = "", values: Sequence[Any] = ()) -> NDArray[np.int64]:
+        """Sorted ids of the clips that meet an SQL condition on the columns of `clips` and `files`, values bound."""
+        condition = f" AND ({where})" if where else ""
+        rows = self.connection.execute(f"SELECT clips.id {LIVE}{condition} ORDER BY clips.id", values)
+        return np.array([row[0] for row in rows], np.int64)
+
+    def clip(self, id: int) -> Clip:
+        """One clip.
+
+        Raises
+        ------
+        LibraryError
+            If there is none of that id.
+        """
+        found = self.clips([id])
+        if id not in found:
+            raise LibraryError(f"{self.folder}: no clip #{id}")
+        return found[id]
+
+    def clips(self, ids: Iterable[int]) -> dict[int, Clip]:
+        """The clips of these ids that exist, by id."""
+        wanted = [int(i) for i in dict.fromkeys(ids)]
+        found: dict[int, Clip] = {}
+        for first in range(0, len(wanted), _VARIABLES):
+            part = wanted[first : first + _VARIABLES]
+            marks = ",".join("?" * len(part))
+            found |= {clip.id: clip for clip in self._select(f"clips.id IN ({marks})", part)}
+        return found
+
+    def _select(self, condition: str, values: Sequence[Any]) -> list[Clip]:
+        return select(self.connection, self._roots(), condition, values)
+
+    def find(self, ref: str | PathLike[str]) -> Clip:
+        """The clip that is meant: "#12", a path from a root, an absolute path, or a name that only one clip has.
+
+        Raises
+        ------
+        LibraryError
+            If no clip or several are meant.
+        """
+        text = fspath(ref)
+        if text.startswith("#") and text[1:].isdigit():
+            return self.clip(int(text[1:]))
+        found = self._select("files.path = ?", [PurePosixPath(text.replace("\\", "/")).as_posix()])
+        if not found:
+            place = Path(text).absolute().resolve()
+            inside = [(key, root) for key, root in self._roots().items() if place.is_relative_to(root)]
+            for key, root in inside:
+                found += self._select("files.root_id = ? AND files.path = ?", [key, place.relative_to(root).as_posix()])
+        if not found:
+            found = self._select("clips.name = ?", [text])
+        if len(found) > 1:
+            some = ", ".join(f"#{clip.id} {clip.path}" for clip in found[:5])
+            raise LibraryError(f"{text}: {len(found)} clips are called so ({some}); name one by its path or #number")
+        if not found:
+            raise LibraryError(f"{text}: no clip of that path or name in {self.folder}")
+        return found[0]
+
+    def motion(self, id: int, start: float | None = None, end: float | None = None) -> Motion:
+        """The clip's motion, or a span of it in seconds, out of the stored poses.
+
+        Raises
+        ------
+        LibraryError
+            If there is no such clip or its poses are damaged.
+        ValueError
+            If the span is empty or begins after the clip ends.
+        """
+        clip = self.clip(id)
+        end = clip.duration if end is None else min(end, clip.duration)
+        start = max(start or 0.0, 0.0)
+        if start >= end:
+            raise ValueError(f"span {start:g} to {end:g} s lies outside {clip.path} of {clip.duration:g} s")
+        first = min(round(start * FPS), clip.frames - 1)
+        last = max(round(end * FPS), first + 1)
+        rows = self.connection.execute(
+            "SELECT data FROM poses WHERE clip_id = ? AND chunk BETWEEN ? AND ? ORDER BY chunk",
+            (clip.id, first // poses.CHUNK, (last - 1) // poses.CHUNK),
+        )
+        joints = [poses.unpack(data) for (data,) in rows]
+        skipped = first // poses.CHUNK * poses.CHUNK
+        if sum(map(len, joints)) < last - skipped:
+            raise LibraryError(f"{clip.path}: stored poses are incomplete; delete the library folder and index again")
+        return Motion(np.concatenate(joints)[first - skipped : last - skipped], FPS)
+
+    def captions(self, id: int) -> list[Caption]:
+        """What is said of a clip, in the order it was read."""
+        rows = self.connection.execute(
+            "SELECT texts.text, captions.start, captions.end FROM captions JOIN texts ON texts.id = captions.text_id "
+            "WHERE captions.clip_id = ? ORDER BY captions.id",
+            (int(id),),
+        )
+        return list(dict.fromkeys(Caption(*row) for row in rows))
+
+    def caption_vectors(self) -> CaptionVectors:
+        """Every caption of every clip: texts, clip ids (N,), unit vectors (N, D); not to be changed."""
+        generation = self.generation
+        if self._captions is None or self._captions[0] != generation:
+            self._captions = generation, self._read_caption_vectors()
+        return self._captions[1]
+
+    def _read_caption_vectors(self) -> CaptionVectors:
+        rows = self.connection.execute(
+            "SELECT DISTINCT texts.text, captions.clip_id, text_embeddings.vector "
+            "FROM captions JOIN clips ON clips.id = captions.clip_id "
+            "JOIN files ON files.id = clips.file_id AND files.state = 'indexed' "
+            "JOIN texts ON texts.id = captions.text_id "
+            "JOIN text_embeddings ON text_embeddings.text_id = texts.id AND text_embeddings.model_id = "
+            "(SELECT value FROM settings WHERE key = 'model')"
+        ).fetchall()
+        vectors = np.frombuffer(b"".join(row[2] for row in rows), np.float16)
+        size = len(vectors) // len(rows) if rows else self._size()
+        return (
+            [row[0] for row in rows],
+            np.array([row[1] for row in rows], np.int64),
+            vectors.reshape(-1, size).astype(np.float32),
+        )
+
+    def _size(self) -> int:
+        model = self._model()
+        return self.bundle.latent_size if model is None else int(model["size"])
+
+    def nearest_clips(
+        self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None
+    ) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+        """The clips whose vectors are nearest to each query (Q, D): scores and clip ids, each (Q, k), best first.
+
+        `allowed` are the sorted ids to choose from, None for all. Where there are fewer than k the id is -1.
+        """
+        return self._galleries.current(CLIPS, self.connection).search(queries, k, allowed=allowed)[:2]
+
+    def nearest_windows(
+        self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None
+    ) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
+        """The windows nearest to each query (Q, D): scores, clip ids, starts and ends in seconds, each (Q, k).
+
+        `allowed` are the sorted clip ids to choose from, None for all. Where there are fewer than k the id is -1.
+        """
+        return self._galleries.current(WINDOWS, self.connection).search(queries, k, allowed=allowed)
+
+    def prepare(self) -> None:
+        """Bring the vector indexes and their files up to date now rather than at the next question."""
+        for kind in (CLIPS, WINDOWS):
+            self._galleries.current(kind, self.connection)
+
+    def windows(self, id: int) -> list[Windows]:
+        """The windows of a clip, shortest length first."""
+        clip = self.clip(id)
+        rows = self.connection.execute(
+            "SELECT length, starts, vectors FROM windows WHERE clip_id = ? AND model_id = "
+            "(SELECT value FROM settings WHERE key = 'model') ORDER BY length",
+            (clip.id,),
+        )
+        return [Windows.of(length, clip.duration, starts, vectors) for length, starts, vectors in rows]
+
+    def failures(self) -> list[tuple[str, str]]:
+        """Files that could not be read, with the reason, as of the last time each was tried."""
+        roots = self._roots()
+        rows = self.connection.execute("SELECT root_id, path, reason FROM files WHERE state = 'failed' ORDER BY path")
+        return [(str(roots[root] / path), reason) for root, path, reason in rows]
+
+    def stats(self) -> dict[str, Any]:
+        """What the library holds, in numbers; see `indexer.store.stats.stats`."""
+        return stats(self.connection, self.folder, self.roots)
+
+
+def _one(connection: sqlite3.Connection, query: str) -> dict[str, Any] | None:
+    cursor = connection.execute(query)
+    row = cursor.fetchone()
+    return None if row is None else dict(zip([column[0] for column in cursor.description], row, strict=True))
+
+
+def _create(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        connection = schema.connect(folder / FILE, writable=True)
+    except (OSError, LibraryError) as error:
+        raise LibraryError(
+            f"{folder}: cannot be written ({error}); keep the library elsewhere with --library DIR"
+        ) from error
+    schema.migrate(connection)
+    connection.close()

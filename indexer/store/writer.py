@@ -1,0 +1,289 @@
+"""The one writer of a library: every change is a batch, and a batch is one transaction and one generation."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from datetime import datetime, timezone
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+from encoders.errors import BundleMismatch, LibraryError
+from encoders.motion import Motion
+from indexer.ingest.captions import attach
+from indexer.ingest.encode import Encoded
+from indexer.ingest.scan import File
+from indexer.store import poses, schema
+from indexer.store.lock import write_lock
+from indexer.store.read_options import Recipe
+
+if TYPE_CHECKING:
+    from encoders.bundle.bundle import Bundle
+    from indexer.ingest.changes import Changes
+
+INDEXED, FAILED, GONE = "indexed", "failed", "gone"
+
+
+@dataclass(frozen=True)
+class Known:
+    """What the library knows of a file."""
+
+    id: int
+    path: str
+    size: int
+    mtime_ns: int
+    hash: str
+    recipe: Recipe
+    state: str
+
+
+@dataclass(frozen=True)
+class Source:
+    """A file's state when it was read: where it lies, what it held, and how it was read."""
+
+    root_id: int
+    file: File
+    hash: str
+    recipe: Recipe
+
+
+class Writer:
+    """Changes to a library; made by `writing`."""
+
+    def __init__(self, folder: Path, connection: sqlite3.Connection) -> None:
+        self.folder = folder
+        self.connection = connection
+        self._generation = 0
+
+    @contextmanager
+    def batch(self) -> Iterator[None]:
+        """All changes inside become visible together, under the next generation."""
+        with schema.transaction(self.connection):
+            self._generation = (
+                1 + self.connection.execute("SELECT value FROM settings WHERE key = 'generation'").fetchone()[0]
+            )
+            self.connection.execute("UPDATE settings SET value = ? WHERE key = 'generation'", (self._generation,))
+            yield
+
+    def use_model(self, bundle: Bundle, *, current: bool = True) -> int:
+        """The model's id; with `current` it is the one whose vectors are searched.
+
+        Raises
+        ------
+        BundleMismatch
+            If `current` and the library holds the vectors of another one.
+        """
+        db = self.connection
+        held = db.execute(
+            "SELECT name, fingerprint FROM models WHERE id = (SELECT value FROM settings WHERE key = 'model')"
+        ).fetchone()
+        if current and held is not None and held[1] != bundle.fingerprint:
+            raise BundleMismatch(
+                f"{self.folder}: made with the model {held[0]} ({held[1][:12]}), not with {bundle.name} "
+                f"({bundle.fingerprint[:12]}); re-encode it with 'motionseek index --rebuild'"
+            )
+        db.execute(
+            "INSERT OR IGNORE INTO models(fingerprint, name, size) VALUES (?, ?, ?)",
+            (bundle.fingerprint, bundle.name, bundle.latent_size),
+        )
+        model_id: int = db.execute("SELECT id FROM models WHERE fingerprint = ?", (bundle.fingerprint,)).fetchone()[0]
+        if current and held is None:
+            db.execute("INSERT OR REPLACE INTO settings(key, value) VALUES ('model', ?)", (model_id,))
+        return model_id
+
+    def root(self, path: Path) -> int:
+        """The id of an indexed folder, new or known. One that holds the library is named relative to it,
+        so that both can be moved together.
+
+        Raises
+        ------
+        LibraryError
+            If it lies inside another indexed folder or the other way round.
+        """
+        inside = self.folder.is_relative_to(path)
+        stored = Path(os.path.relpath(path, self.folder)).as_posix() if inside else path.as_posix()
+        for key, other in self.connection.execute("SELECT id, path FROM roots").fetchall():
+            if other == stored:
+                return int(key)
+            place = (self.folder / other).resolve()
+            if place.is_relative_to(path) or path.is_relative_to(place):
+                raise LibraryError(f"{path}: lies inside {place} or around it, which this library indexes already")
+        return int(self.connection.execute("INSERT INTO roots(path) VALUES (?)", (stored,)).lastrowid or 0)
+
+    def root_path(self, root_id: int) -> Path:
+        """Where an indexed folder lies."""
+        path: str = self.connection.execute("SELECT path FROM roots WHERE id = ?", (root_id,)).fetchone()[0]
+        return (self.folder / path).resolve()
+
+    def known(self, root_id: int) -> dict[str, Known]:
+        """The files of a root that were there last time, by path."""
+        rows = self.connection.execute(
+            "SELECT id, path, size, mtime_ns, hash, recipe, state FROM files WHERE root_id = ? AND state != ?",
+            (root_id, GONE),
+        )
+        return {
+            path: Known(file_id, path, size, mtime_ns, digest, Recipe.of(recipe), state)
+            for file_id, path, size, mtime_ns, digest, recipe, state in rows
+        }
+
+    def note(self, changes: Changes) -> None:
+        """All changes but those that ask for a file to be read."""
+        for file_id, file in changes.touched:
+            self.connection.execute(
+                "UPDATE files SET size = ?, mtime_ns = ? WHERE id = ?", (file.size, file.mtime_ns, file_id)
+            )
+        for file_id, root_id, file in changes.moved:
+            self.move(file_id, root_id, file)
+        self.gone(known.id for known in changes.gone)
+        for source, reason in changes.unreadable:
+            self.fail(source, reason)
+
+    def fail(self, source: Source, reason: str) -> None:
+        """Remember that a file cannot be read; a clip that an earlier version of it gave is gone."""
+        self._retire(source)
+        self._insert(source, FAILED, reason)
+
+    def add(self, source: Source, motion: Motion, rig: str, encoded: Encoded, model_id: int) -> int:
+        """A new clip, or the new content of a known one; its id."""
+        clip_id = self._clip(source, motion, rig)
+        db = self.connection
+        attach(db, clip_id, source.root_id, source.file.path)
+        for table in ("poses", "embeddings", "windows"):
+            db.execute(f"DELETE FROM {table} WHERE clip_id = ?", (clip_id,))
+        chunks = enumerate(poses.pack_all(motion.joints))
+        db.executemany("INSERT INTO poses VALUES (?, ?, ?)", [(clip_id, number, data) for number, data in chunks])
+        self.put_vectors(clip_id, encoded, model_id)
+        return clip_id
+
+    def put_vectors(self, clip_id: int, encoded: Encoded, model_id: int) -> None:
+        """A clip's vectors under a model."""
+        db = self.connection
+        db.execute("INSERT INTO embeddings VALUES (?, ?, ?)", (clip_id, model_id, encoded.vector.tobytes()))
+        db.executemany(
+            "INSERT INTO windows VALUES (?, ?, ?, ?, ?)",
+            [(clip_id, model_id, w.length, w.starts.tobytes(), w.vectors.tobytes()) for w in encoded.windows],
+        )
+
+    def move(self, file_id: int, root_id: int, file: File) -> None:
+        """A file lies elsewhere now, or is back; its clip with all that belongs to it comes along."""
+        db = self.connection
+        db.execute("DELETE FROM files WHERE root_id = ? AND path = ? AND state = ?", (root_id, file.path, FAILED))
+        db.execute(
+            "UPDATE files SET root_id = ?, path = ?, size = ?, mtime_ns = ?, state = ? WHERE id = ?",
+            (root_id, file.path, file.size, file.mtime_ns, INDEXED, file_id),
+        )
+        db.execute(
+            "UPDATE clips SET name = ?, format = ?, generation = ? WHERE file_id = ?",
+            (*_named(file), self._generation, file_id),
+        )
+        clip_id = db.execute("SELECT id FROM clips WHERE file_id = ?", (file_id,)).fetchone()[0]
+        attach(db, clip_id, root_id, file.path)
+
+    def gone(self, file_ids: Iterable[int]) -> None:
+        """Files have vanished: their clips answer no more, but are kept in case they come back."""
+        for file_id in file_ids:
+            self.connection.execute("DELETE FROM files WHERE id = ? AND state = ?", (file_id, FAILED))
+            self.connection.execute("UPDATE files SET state = ? WHERE id = ?", (GONE, file_id))
+            self.connection.execute("UPDATE clips SET generation = ? WHERE file_id = ?", (self._generation, file_id))
+
+    def same_content(self, digest: str) -> list[tuple[int, int, str, str, Recipe]]:
+        """Indexed or gone files of that content: id, root id, path, state, recipe."""
+        rows = self.connection.execute(
+            "SELECT id, root_id, path, state, recipe FROM files WHERE hash = ? AND state != ? ORDER BY id",
+            (digest, FAILED),
+        )
+        return [(*row[:4], Recipe.of(row[4])) for row in rows]
+
+    def switch_model(self, model_id: int) -> None:
+        """Answer with the vectors of that model; those of others, and clips that are gone, are dropped."""
+        db = self.connection
+        gone = "SELECT clips.id FROM clips JOIN files ON files.id = clips.file_id WHERE files.state = 'gone'"
+        db.execute(f"UPDATE captions SET clip_id = NULL WHERE clip_id IN ({gone})")
+        for table in ("poses", "embeddings", "windows"):
+            db.execute(f"DELETE FROM {table} WHERE clip_id IN ({gone})")
+        db.execute(f"DELETE FROM clips WHERE id IN ({gone})")
+        db.execute("DELETE FROM files WHERE state = 'gone'")
+        for table in ("embeddings", "windows", "text_embeddings"):
+            db.execute(f"DELETE FROM {table} WHERE model_id != ?", (model_id,))
+        db.execute("DELETE FROM models WHERE id != ?", (model_id,))
+        db.execute("INSERT OR REPLACE INTO settings(key, value) VALUES ('model', ?)", (model_id,))
+
+    def _clip(self, source: Source, motion: Motion, rig: str) -> int:
+        db = self.connection
+        values = (*_named(source.file), rig, motion.fps, len(motion), motion.duration, self._generation)
+        row = db.execute(
+            "SELECT clips.id, files.id FROM clips JOIN files ON files.id = clips.file_id "
+            "WHERE files.root_id = ? AND files.path = ? AND files.state = ?",
+            (source.root_id, source.file.path, INDEXED),
+        ).fetchone()
+        if row is None:
+            file_id = self._insert(source, INDEXED, None)
+            added = datetime.now(timezone.utc).isoformat(timespec="seconds")
+            cursor = db.execute(
+                "INSERT INTO clips(name, format, rig, fps, frames, duration, generation, file_id, added) "
+                "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                (*values, file_id, added),
+            )
+            return int(cursor.lastrowid or 0)
+        db.execute(
+            "UPDATE files SET size = ?, mtime_ns = ?, hash = ?, recipe = ? WHERE id = ?",
+            (source.file.size, source.file.mtime_ns, source.hash, source.recipe.text(), row[1]),
+        )
+        db.execute(
+            "UPDATE clips SET name = ?, format = ?, rig = ?, fps = ?, frames = ?, duration = ?, generation = ? "
+            "WHERE id = ?",
+            (*values, row[0]),
+        )
+        return int(row[0])
+
+    def _insert(self, source: Source, state: str, reason: str | None) -> int:
+        db, file = self.connection, source.file
+        db.execute(
+            "DELETE FROM files WHERE root_id = ? AND path = ? AND state = ?", (source.root_id, file.path, FAILED)
+        )
+        cursor = db.execute(
+            "INSERT INTO files(root_id, path, size, mtime_ns, hash, recipe, state, reason) "
+            "VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+            (source.root_id, file.path, file.size, file.mtime_ns, source.hash, source.recipe.text(), state, reason),
+        )
+        return int(cursor.lastrowid or 0)
+
+    def _retire(self, source: Source) -> None:
+        rows = self.connection.execute(
+            "SELECT id FROM files WHERE root_id = ? AND path = ? AND state = ?",
+            (source.root_id, source.file.path, INDEXED),
+        ).fetchall()
+        self.gone(row[0] for row in rows)
+
+
+def _named(file: File) -> tuple[str, str]:
+    path = PurePosixPath(file.path)
+    return path.stem, path.suffix.lower().lstrip(".")
+
+
+@contextmanager
+def writing(folder: Path) -> Iterator[Writer]:
+    """The writer of the library in `folder`, which is made where it is not there.
+
+    Raises
+    ------
+    LibraryError
+        If the folder cannot be written or another process is writing it.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK):
+            raise PermissionError(13, "it is read-only")
+    except OSError as error:
+        raise LibraryError(
+            f"{folder}: cannot be written ({error.strerror}); keep the library elsewhere with --library DIR"
+        ) from error
+    with ExitStack() as stack:
+        stack.enter_context(write_lock(folder))
+        connection = schema.connect(folder / "library.sqlite", writable=True)
+        stack.callback(connection.close)
+        schema.migrate(connection)
+        yield Writer(folder, connection)

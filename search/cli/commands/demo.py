@@ -1,0 +1,110 @@
+"""`motionseek demo`: what it is good for, on real motion capture that ships with it."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from search.cli import options
+
+if TYPE_CHECKING:
+    from search.hits import Hit
+    from search.library import SearchableLibrary
+
+#: The clips, and demo.json: {"questions": [sentence, ...], "moment": {"sentence": ..., "clip": path}}.
+DATA = Path(__file__).parents[2] / "demo_data"
+
+
+@click.command()
+@click.argument("folder", required=False, type=click.Path(file_okay=False, path_type=Path))
+@options.force
+@options.as_json
+def demo(folder: Path | None, force: bool, as_json: bool) -> None:
+    """Index a few clips of real motion capture, ask them three sentences, find a moment in a long take, draw pictures.
+
+    The clips and pictures are put into FOLDER, or into a new temporary folder.
+
+    \b
+    Examples:
+      motionseek demo
+      motionseek demo ~/motionseek-demo
+    """
+    from indexer.ingest import indexing
+    from search.cli import terminal
+    from search.cli.commands.index import progress_bar
+    from search.library import SearchableLibrary
+
+    if not (DATA / "demo.json").is_file():
+        raise click.ClickException(f"the demo's clips are missing from {DATA}; install motionseek again")
+    place = Path(tempfile.mkdtemp(prefix="motionseek-demo-")) if folder is None else folder
+    if folder is not None and folder.exists() and any(folder.iterdir()) and not force:
+        raise click.ClickException(f"{folder} is not empty; name another folder, or use it all the same with --force")
+    script = json.loads((DATA / "demo.json").read_text("utf-8"))
+    shutil.copytree(DATA, place, dirs_exist_ok=True, ignore=shutil.ignore_patterns("demo.json"))
+    with progress_bar() as progress:
+        summary = indexing.index(place, progress=progress)
+    say = _silent if as_json else print
+    say(f"Indexed {summary.indexed} clips of real motion capture in {summary.seconds:.1f} s: {place}\n")
+    with SearchableLibrary.open(place) as library:
+        report = _ask(library, script["questions"], place / "hits.png", say)
+        report |= _locate(library, script["moment"], place / "moment.png", say)
+    if as_json:
+        terminal.document({"folder": str(place), "clips": summary.indexed} | report)
+    program = shlex.quote("motionseek" if shutil.which("motionseek") else sys.argv[0])
+    say(f"See them move, ask, and export what you like:  {program} serve {shlex.quote(str(place))} --open")
+    say(f'Yours next:  {program} index FOLDER   then, in it:  {program} search "..."')
+
+
+def _silent(line: str) -> None:
+    """Say nothing: the answer is one JSON document."""
+
+
+def _ask(library: SearchableLibrary, questions: list[str], picture: Path, say: Any) -> dict[str, Any]:
+    """Search for sentences and draw the best three hits of each."""
+    from search.cli import terminal
+    from search.drawing.plots import plot_poses
+
+    groups, answers = [], []
+    for question in questions:
+        found = library.search(question, 3)
+        answers.append({"query": question, "hits": [hit.document() for hit in found]})
+        say(f'$ motionseek search "{question}" -k 3')
+        if say is print:
+            terminal.hits(found, question, as_json=False)
+            print()
+        strips = [(_label(hit), library.motion(hit.clip_id, hit.start, hit.end)) for hit in found]
+        groups.append((f"“{question}”", strips))
+    plot_poses(picture, groups)
+    say(f"The hits as poses: {picture}\n")
+    return {"answers": answers, "hits_picture": str(picture)}
+
+
+def _label(hit: Hit) -> str:
+    return f"{hit.rank}.  {hit.path}  {hit.start:.1f}–{hit.end:.1f} s   {hit.score:.2f}  {hit.strength}"
+
+
+def _locate(library: SearchableLibrary, moment: dict[str, str], picture: Path, say: Any) -> dict[str, Any]:
+    """Find a sentence in a long take and draw similarity over time."""
+    from search.cli import terminal
+    from search.drawing.plots import plot_moments
+    from search.moments.one_take import curves, moments_in
+    from search.query.question import Question
+
+    source = library.source(moment["clip"])
+    question = Question.of(moment["sentence"])
+    found = moments_in(library.bundle, source, question, 3)
+    times, similarity = curves(library.bundle, source, question.encode(library.bundle))
+    plot_moments(picture, question, source, found, times, similarity)
+    say(f'$ motionseek moments "{question}" {source.path} -k 3 --plot moment.png')
+    if say is print:
+        terminal.answer(question, found, (times, similarity), as_json=False)
+        print()
+    say(f"Similarity over time: {picture}\n")
+    return {"moment": {"query": str(question), "hits": [h.document() for h in found]}, "moment_picture": str(picture)}

@@ -1,0 +1,144 @@
+"""`motionseek index`: a folder becomes a library."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from search.cli import options
+
+if TYPE_CHECKING:
+    from indexer.ingest.indexing import Summary
+
+
+@click.command()
+@click.argument("folders", metavar="FOLDER...", nargs=-1, required=True)
+@click.option("--library", "library", type=click.Path(file_okay=False), help="Keep the library here, not in FOLDER.")
+@click.option("--jobs", type=click.IntRange(1, 256), help="Processes that read files; one a core if not given.")
+@click.option("--fps", type=click.FloatRange(1, 10_000), help="Frame rate of files that name none or a wrong one.")
+@click.option(
+    "--joint-map",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help='JSON file, {"left_wrist": "name in the rig", ...}, for rigs that are not recognised.',
+)
+@click.option("--rebuild", is_flag=True, help="Encode everything again, as after a change of the model.")
+@click.option("--retry", is_flag=True, help="Read files again that failed before.")
+@options.as_json
+def index(
+    folders: tuple[str, ...],
+    library: str | None,
+    jobs: int | None,
+    fps: float | None,
+    joint_map: Path | None,
+    rebuild: bool,
+    retry: bool,
+    as_json: bool,
+) -> int:
+    """Index the motion files in FOLDER and below; run again, and only what changed is read.
+
+    Captions are taken from a .txt file of the same name and from captions.csv, .tsv or .jsonl in FOLDER. Exits with 1
+    if a file that is new or has changed could not be read; the others are indexed all the same.
+
+    \b
+    Examples:
+      motionseek index my_mocap/
+      motionseek index shoot_a/ shoot_b/ --library team_library --jobs 8
+      motionseek index old_rigs/ --joint-map names.json --retry
+    """
+    from indexer.ingest import indexing
+    from indexer.ingest.reencode import reencode
+    from indexer.store.stored_library import FILE, FOLDER
+    from search.cli import terminal
+    from search.cli.locate import VARIABLE
+
+    for folder in folders:
+        if Path(folder).is_file():
+            raise click.UsageError(f"{folder} is a file; index its folder, or ask about it as it is: describe {folder}")
+        if not Path(folder).is_dir():
+            raise click.UsageError(f"there is no folder {folder}")
+    _give_way()
+    library = library or os.environ.get(VARIABLE)
+    names = read_joint_map(joint_map) if joint_map else None
+    place = Path(library or Path(folders[0]) / FOLDER)
+    with progress_bar() as progress:
+        if rebuild and (place / FILE).is_file():
+            reencode(place, progress=progress)
+        summary = indexing.index(
+            folders, library=library, jobs=jobs, fps=fps, joint_map=names, retry=retry, progress=progress
+        )
+    if as_json:
+        failed = [{"path": path, "reason": reason} for path, reason in summary.failed]
+        terminal.document(asdict(summary) | {"failed": failed, "seconds": round(summary.seconds, 2)})
+    else:
+        report(summary, library or folders[0])
+    return 130 if summary.interrupted else int(bool(summary.failed))
+
+
+def _give_way() -> None:
+    """Run at low priority, so that a server or an editor on the same machine comes first."""
+    if hasattr(os, "setpriority"):
+        os.setpriority(os.PRIO_PROCESS, 0, max(10, os.getpriority(os.PRIO_PROCESS, 0)))
+
+
+def read_joint_map(path: Path) -> dict[str, str]:
+    """Target joint -> joint name in the rig, from a JSON file."""
+    from encoders.skeleton import JOINTS
+
+    names = options.read_object(path)
+    if not all(isinstance(name, str) for name in names.values()):
+        raise click.ClickException(f'{path} must hold names of joints, such as {{"left_wrist": "LeftHand"}}')
+    unknown = sorted(set(names) - set(JOINTS))
+    if unknown:
+        raise click.ClickException(f"{path}: no target joint {', '.join(unknown)}; there are {', '.join(JOINTS)}")
+    return names
+
+
+@contextmanager
+def progress_bar() -> Iterator[Callable[[int, int, str], None]]:
+    """A bar with rate and time left on a terminal; nothing elsewhere."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
+        task = shown.add_task("", total=None, rate="")
+
+        def update(done: int, total: int, path: str) -> None:
+            speed = shown.tasks[0].speed
+            shown.update(task, completed=done, total=total, rate=f"{speed:.1f} files/s" if speed else "")
+
+        yield update
+
+
+def report(summary: Summary, place: str) -> None:
+    """Print what a run did to the library of `place`: failures and warnings on stderr, the sum on stdout."""
+    from search.cli import terminal
+
+    for path, reason in summary.failed:
+        terminal.note(f"failed: {path}: {reason}")
+    for warning in summary.warnings:
+        terminal.note(f"warning: {warning}")
+    if summary.failed_before:
+        files = "1 file" if summary.failed_before == 1 else f"{summary.failed_before} files"
+        terminal.note(f"{files} still cannot be read; why: motionseek status --failed {shlex.quote(place)}")
+    if summary.interrupted:
+        terminal.note("interrupted: what was read is kept; run it again to go on")
+    counts = {
+        "indexed": summary.indexed,
+        "unchanged": summary.unchanged,
+        "moved": summary.moved,
+        "gone": summary.gone,
+        "failed": len(summary.failed),
+        "failed before": summary.failed_before,
+    }
+    nothing = "nothing indexed" if summary.interrupted else "no motion files found"
+    said = ", ".join(f"{count} {name}" for name, count in counts.items() if count) or nothing
+    print(f"{said} ({summary.seconds:.1f} s)")

@@ -1,0 +1,57 @@
+"""`motionseek render`: a motion as a picture or an animation."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from search.cli import options
+
+
+@click.command()
+@click.argument("ref", metavar="CLIP")
+@click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
+@options.start
+@options.end
+@click.option("--size", type=click.IntRange(64, 2160), default=480, show_default=True, help="Height in pixels.")
+@click.option(
+    "--fps", type=click.FloatRange(1, 60), default=20, show_default=True, help="Frames a second, if it moves."
+)
+@options.force
+@options.library
+@options.as_json
+def render(
+    ref: str,
+    out: Path,
+    start: float | None,
+    end: float | None,
+    size: int,
+    fps: float,
+    force: bool,
+    folder: str | None,
+    as_json: bool,
+) -> None:
+    """Draw CLIP, or the cut of it from --start to --end, to OUT.
+
+    .png is a strip of poses over time, .gif and .mp4 show the figure moving. An .mp4 needs ffmpeg, or
+    pip install imageio-ffmpeg.
+
+    \b
+    Examples:
+      motionseek render take_017.bvh kick.gif
+      motionseek render '#17' wave.mp4 --start 12.4 --end 15 --size 720
+      motionseek render long_take.bvh strip.png
+    """
+    from search.cli import terminal
+    from search.drawing.film import WRITERS, write_picture
+
+    if out.suffix.lower() not in WRITERS:
+        raise click.UsageError(f"{out}: can draw {', '.join(WRITERS)}")
+    options.refuse_overwriting(out, force)
+    with options.open_source(ref, folder) as (_, source, _library):
+        frames = write_picture(source.cut(start, end), out, size=size, fps=fps)
+    if as_json:
+        terminal.document({"path": str(out), "source": source.path, "frames": frames})
+    else:
+        print(f"{out}: {frames} {'poses' if out.suffix.lower() == '.png' else 'frames'}")

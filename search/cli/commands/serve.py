@@ -1,0 +1,75 @@
+"""`motionseek serve`: the library in a browser."""
+
+from __future__ import annotations
+
+import secrets
+import webbrowser
+from contextlib import suppress
+from pathlib import Path
+from urllib.parse import quote
+
+import click
+
+
+@click.command()
+@click.argument("folder", required=False, type=click.Path(exists=True, file_okay=False))
+@click.option("--port", type=click.IntRange(1, 65535), help="Default: 8420, or the next that is free.")
+@click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
+@click.option("--allow-host", "names", metavar="NAME", multiple=True, help="A further name this computer is known by.")
+@click.option(
+    "--token",
+    envvar="MOTIONSEEK_TOKEN",
+    show_envvar=True,
+    help="What every request must carry: 16 characters or more.",
+)
+@click.option("--open", "browser", is_flag=True, help="Open the page in the browser.")
+def serve(
+    folder: str | None, port: int | None, host: str, names: tuple[str, ...], token: str | None, browser: bool
+) -> None:
+    """Serve the library of FOLDER, or the nearest one upward from here, as a web page and an HTTP API.
+
+    Only this computer reaches it, unless --host says otherwise. What 'motionseek index' adds meanwhile is seen at once.
+
+    \b
+    Examples:
+      motionseek serve my_mocap --open
+      motionseek serve --port 9000
+      MOTIONSEEK_TOKEN=... motionseek serve --host 0.0.0.0
+    """
+    try:
+        import fastapi  # noqa: F401
+        import uvicorn  # noqa: F401
+    except ImportError:
+        raise click.ClickException(
+            "serving needs three more packages; run: pip install fastapi uvicorn httptools"
+        ) from None
+
+    from search.cli.locate import locate
+    from search.server.app import create_app
+    from search.server.guard import is_loopback
+    from search.server.listen import address, listen
+    from search.server.listen import serve as run
+    from search.server.served import ServedLibrary
+
+    if token is None and not is_loopback(host):
+        raise click.UsageError(
+            f"--host {host} lets other computers in, so a token is needed, such as --token {secrets.token_urlsafe(18)}"
+        )
+    if token is not None and len(token) < 16:
+        raise click.UsageError("--token must have at least 16 characters, or it can be guessed")
+    if token is not None and not all("!" <= character <= "~" for character in token):
+        raise click.UsageError("--token must be of ASCII characters without spaces, or it cannot be sent in a header")
+    library = ServedLibrary.open(locate(folder))
+    library.warm()
+    listening = listen(host, port)
+    url = address(listening, host) + (f"?token={quote(token, safe='')}" if token else "")
+
+    def ready() -> None:
+        click.echo(f"{len(library)} clips of {Path(library.folder)} at {url}  (Ctrl-C ends it)")
+        if browser:
+            webbrowser.open(url)
+
+    app = create_app(library, host=host, names=names, token=token)
+    with suppress(KeyboardInterrupt):
+        run(app, listening, ready=ready)
+    click.echo("ended", err=True)

@@ -1,0 +1,49 @@
+"""`motionseek similar`: clips that move alike."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from search.cli import options
+
+
+@click.command()
+@click.argument("ref", metavar="CLIP")
+@options.start
+@options.end
+@click.option("--moments", is_flag=True, help="Find spans inside clips instead of whole clips.")
+@options.hits
+@options.filters
+@options.fps
+@options.library
+@options.as_json
+def similar(
+    ref: str,
+    start: float | None,
+    end: float | None,
+    moments: bool,
+    k: int,
+    fps: float | None,
+    folder: str | None,
+    as_json: bool,
+    **filters: Any,
+) -> None:
+    """Find the clips that move like CLIP: a file, or a clip of the library by path, name or #id.
+
+    \b
+    Examples:
+      motionseek similar kicks/roundhouse.bvh
+      motionseek similar long_take.bvh --start 12 --end 14.5 --moments
+    """
+    from search.cli import terminal
+    from search.cli.commands.search import nothing
+    from search.source import find_source
+
+    with options.open_library(folder) as library:
+        source = find_source(ref, library, fps=fps)
+        found = library.similar(source, k, start, end, moments=moments, **filters)
+        terminal.hits(found, ref, as_json=as_json)
+        if not found:
+            terminal.note(nothing(library, filters))

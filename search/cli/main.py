@@ -1,0 +1,145 @@
+"""The command line: find the command, run it, turn errors into one line and an exit code.
+
+0 done, 1 the work failed, 2 wrong usage, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import difflib
+import io
+import os
+import sys
+from importlib import import_module
+
+import click
+
+from encoders.errors import MotionSeekError, QueryError
+
+#: Command -> the module that holds it, in the order help lists them; imported when asked for.
+COMMANDS = {
+    "index": "search.cli.commands.index",
+    "search": "search.cli.commands.search",
+    "moments": "search.cli.commands.moments",
+    "describe": "search.cli.commands.describe",
+    "similar": "search.cli.commands.similar",
+    "segment": "search.cli.commands.segment",
+    "export": "search.cli.commands.export",
+    "render": "search.cli.commands.render",
+    "serve": "search.cli.commands.serve",
+    "status": "search.cli.commands.status",
+    "evaluate": "search.cli.commands.evaluate",
+    "model": "search.cli.commands.model",
+    "demo": "search.cli.commands.demo",
+}
+
+
+class Commands(click.Group):
+    """Commands that are imported when they are needed, with suggestions for a mistyped one."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = getattr(import_module(COMMANDS[cmd_name]), cmd_name)
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        name = args[0]
+        if name in COMMANDS or name.startswith("-"):
+            return super().resolve_command(ctx, args)
+        close = difflib.get_close_matches(name, COMMANDS, n=1)
+        hint = f"did you mean '{close[0]}'?" if close else f"the commands are {', '.join(COMMANDS)}"
+        raise click.UsageError(f"no command '{name}'; {hint}", ctx)
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="motionseek", message="%(prog)s %(version)s")
+@click.option("--debug", is_flag=True, help="Show the full traceback of an error.")
+def cli(debug: bool) -> None:
+    """The search engine for human motion: ask a folder of motion capture in a sentence.
+
+    \b
+    Examples:
+      motionseek index my_mocap/
+      motionseek search "a person limps to the left"
+      motionseek moments "sits down" long_take.bvh --plot sits.png
+      motionseek describe take_017.bvh
+    """
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line and exit with its code."""
+    given = sys.argv[1:] if arguments is None else arguments
+    _open_streams()
+    try:
+        code = _run([a for a in given if a != "--debug"], debug="--debug" in given)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # The reader has gone; point stdout away so that the interpreter's own flush stays quiet too.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 141
+    sys.exit(code)
+
+
+def _run(arguments: list[str], *, debug: bool) -> int:
+    """Run a command; the exit code. With `debug`, errors come through as they are."""
+    try:
+        # Not cli.main, which prints errors its own way and calls a reader that goes away a failure.
+        with cli.make_context("motionseek", arguments) as ctx:
+            code = cli.invoke(ctx)
+        return code if isinstance(code, int) else 0
+    except click.exceptions.Exit as ended:
+        return ended.exit_code
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message())
+        return 0
+    except BrokenPipeError:
+        raise
+    except (KeyboardInterrupt, click.Abort):
+        return _complain("motionseek: interrupted", 130)
+    except click.ClickException as error:
+        return _complain(_usage_line(error), error.exit_code)
+    except Exception as error:
+        if debug:
+            raise
+        if isinstance(error, (MotionSeekError, OSError)):
+            return _complain(f"motionseek: {_one_line(error)}", 2 if isinstance(error, QueryError) else 1)
+        named = f"unexpected {type(error).__name__}: {_one_line(error)}"
+        return _complain(f"motionseek: {named}; run again with --debug and report what it prints", 1)
+
+
+def _complain(line: str, code: int) -> int:
+    click.echo(line, err=True)
+    return code
+
+
+def _open_streams() -> None:
+    """Give a process that was started without stdout or stderr some, and print names that an encoding lacks."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - until the process ends
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _usage_line(error: click.ClickException) -> str:
+    """One line; where the command was used wrongly, it names the help."""
+    ctx = getattr(error, "ctx", None)
+    command = ctx.command_path if ctx else "motionseek"
+    message = _one_line(error.format_message()).rstrip(".")
+    return (
+        f"{command}: {message}; see '{command} --help'"
+        if isinstance(error, click.UsageError)
+        else f"{command}: {message}"
+    )
+
+
+def _one_line(error: object) -> str:
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror.lower()}" if error.filename else error.strerror.lower()
+    return " ".join(str(error).split())

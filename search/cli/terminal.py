@@ -1,0 +1,169 @@
+"""What people and programs see: tables in a terminal, TAB-separated lines in a pipe, JSON when asked."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+    from rich.console import Console
+    from rich.text import Text
+
+    from search.hits import Hit
+    from search.query.question import Question
+
+    Curve = tuple[NDArray[np.float64], NDArray[np.float32]]
+
+_HIT_COLUMNS = ("", "score", "strength", "start", "end", "clip", "caption")
+_COLOURS = {"strong": "green", "plausible": "yellow", "weak": "dim"}
+#: What would move the cursor, or break a line of a pipe.
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
+#: Columns between two cells of a table; those in which a text reads well, and in which it can still be read.
+_GAP, _READABLE, _TIGHT = 3, 24, 10
+_BLOCKS = "▁▂▃▄▅▆▇█"
+
+
+def is_terminal() -> bool:
+    """Whether a person is likely to read stdout."""
+    return sys.stdout.isatty()
+
+
+def document(content: Any) -> None:
+    """Print one JSON document."""
+    print(json.dumps(content, ensure_ascii=False, indent=2 if is_terminal() else None, allow_nan=False))
+
+
+def table(
+    columns: Sequence[str], rows: Iterable[Sequence[str]], *, right: Sequence[str] = (), below: Sequence[str] = ()
+) -> None:
+    """Print rows as an aligned table without its empty columns, or as lines with TABs between all cells when piped.
+
+    Parameters
+    ----------
+    right : sequence of str
+        The columns that hold numbers.
+    below : sequence of str
+        The columns that stand on lines of their own where a terminal is too narrow for all.
+    """
+    rows = [[_CONTROL.sub(" ", cell) for cell in row] for row in rows]
+    if not is_terminal():
+        for row in rows:
+            print("\t".join(row))
+        return
+    from rich.cells import cell_len
+    from rich.console import Console
+
+    console = Console(highlight=False)
+    used = [i for i, column in enumerate(columns) if not column or any(row[i] for row in rows)]
+    width = {i: max(cell_len(text) for text in (columns[i], *(row[i] for row in rows))) for i in used}
+
+    def least(text: int) -> int:
+        return sum(width[i] if columns[i] in right else min(width[i], text) for i in used) + _GAP * (len(used) - 1)
+
+    long = [i for i in used if columns[i] in below]
+    if long and least(_READABLE) > console.width:
+        _print_stacked(console, rows, [i for i in used if i not in long], long)
+    else:
+        console.width = max(console.width, least(_TIGHT))  # rather lines that the terminal breaks than numbers cut off
+        _print_table(console, columns, rows, used, right)
+
+
+def _print_table(
+    console: Console, columns: Sequence[str], rows: Sequence[Sequence[str]], used: Sequence[int], right: Sequence[str]
+) -> None:
+    from rich import box
+    from rich.table import Table
+
+    shown = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, show_header=any(columns))
+    for i in used:
+        number = columns[i] in right
+        justify: Literal["right", "left"] = "right" if number else "left"
+        shown.add_column(columns[i], justify=justify, overflow="fold", no_wrap=number)
+    for row in rows:
+        shown.add_row(*(_styled(row[i]) for i in used))
+    console.print(shown)
+
+
+def _print_stacked(console: Console, rows: Sequence[Sequence[str]], short: Sequence[int], long: Sequence[int]) -> None:
+    from rich.padding import Padding
+    from rich.text import Text
+
+    for row in rows:
+        console.print(Text("  ").join(_styled(row[i]) for i in short if row[i]))
+        for cell in (row[i] for i in long if row[i]):
+            console.print(Padding(Text(cell, overflow="fold"), (0, 0, 0, 3), expand=False))
+
+
+def _styled(cell: str) -> Text:
+    from rich.text import Text
+
+    return Text(cell, style=_COLOURS.get(cell, ""))
+
+
+def hits(found: Sequence[Hit], query: str, *, as_json: bool) -> None:
+    """Print the answers to a query."""
+    if as_json:
+        document({"query": query, "hits": [hit.document() for hit in found]})
+        return
+    rows = [
+        (str(h.rank), f"{h.score:.3f}", h.strength, f"{h.start:.1f}", f"{h.end:.1f}", h.path, h.caption) for h in found
+    ]
+    table(_HIT_COLUMNS, rows, right=("", "score", "start", "end"), below=("clip", "caption"))
+    if found and all(hit.strength == "weak" for hit in found):
+        note("nothing here matches; these are the nearest")
+
+
+def note(line: str) -> None:
+    """Say something beside the answer: on stderr, so that a pipe carries answers only."""
+    print(line, file=sys.stderr)
+
+
+def strip(values: Sequence[float], width: int) -> str:
+    """A curve as one line of blocks, each the highest value of its stretch."""
+    import numpy as np
+
+    curve = np.asarray(values, dtype=np.float64)
+    edges = np.linspace(0, len(curve), min(width, len(curve)) + 1).astype(int)[:-1]
+    peaks = np.maximum.reduceat(curve, edges)
+    span = float(np.ptp(peaks)) or 1.0
+    levels = ((peaks - peaks.min()) / span * (len(_BLOCKS) - 1)).round().astype(int)
+    return "".join(_BLOCKS[level] for level in levels)
+
+
+def answer(
+    question: Question,
+    found: Sequence[Hit],
+    curve: Curve | None = None,
+    *,
+    as_json: bool,
+    width: int = 80,
+) -> None:
+    """Print the moments that answer a question, with the curve of the take where there is one."""
+    if as_json:
+        content: dict[str, Any] = {"query": str(question), "hits": [hit.document() for hit in found]}
+        if question.how != "alone":
+            content |= {"how": question.how, "sentences": list(question.sentences)}
+        if curve is not None:
+            times, similarity = curve
+            named = zip(question.sentences, similarity.round(4).tolist(), strict=True)
+            content["curve"] = {"times": times.round(3).tolist(), "similarity": dict(named)}
+        document(content)
+        return
+    if is_terminal() and curve is not None:
+        for text, values in zip(question.sentences, curve[1], strict=True):
+            print(f"{text}\n{strip(values.tolist(), width - 2)}")
+    elif is_terminal() and question.how != "alone":
+        print(f" {question.how} ".join(f"'{text}'" for text in question.sentences))
+    hits(found, str(question), as_json=False)
+    if not found:
+        note("nothing found: no clip passes, or the motion is too short for all the steps")
+    if not is_terminal():
+        return  # lines of another shape would be in a program's way; the steps are in the JSON
+    steps = [(str(h.rank), f"{s.score:.3f}", f"{s.start:.1f}", f"{s.end:.1f}", s.text) for h in found for s in h.steps]
+    if steps:
+        table(("", "score", "start", "end", "step"), steps, right=("", "score", "start", "end"))

@@ -1,0 +1,1 @@
+"""Pictures of motion: strips of poses, films, and similarity over time."""

@@ -1,0 +1,55 @@
+"""Moments as the TMR paper finds them, to compare with: one window slid over the take, the best place wins.
+
+Petrovich, Black and Varol, "TMR: Text-to-Motion Retrieval Using Contrastive 3D Human Motion Synthesis" (ICCV 2023),
+section 4.5: the window size and the place with the highest similarity are the answer; sizes 20, 40 and 60 frames at
+20 frames a second, every frame, no refinement.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from encoders.bundle.bundle import Bundle
+from encoders.motion import FPS, Motion
+from search.moments.localisation import Moment
+from search.moments.window_scores import Scored, Vectors, every, join, score_windows
+
+SIZES = (20, 40, 60)
+
+
+def slide(bundle: Bundle, motion: Motion, queries: Vectors, size: int) -> Scored:
+    """A window of `size` frames at 20 frames a second, at every frame, compared with queries (Q, D).
+
+    A model with fewer feature frames a second sees the take once from each frame between two of its own.
+    """
+    motion = motion.resample(FPS)
+    length = max(round(size / FPS * bundle.fps), 1)
+    parts = []
+    for phase in range(min(max(round(FPS / bundle.fps), 1), len(motion))):
+        features = bundle.features(Motion(motion.joints[phase:], FPS))
+        if phase and len(features) < length:
+            break
+        fitting = min(length, len(features))
+        found = score_windows(bundle, features, bundle.fps, every(len(features), fitting), fitting, queries)
+        parts.append(Scored(found.starts + phase / FPS, found.ends + phase / FPS, found.scores))
+    windows = join(parts)
+    order = np.argsort(windows.starts, kind="stable")
+    return Scored(windows.starts[order], windows.ends[order], windows.scores[:, order])
+
+
+def best_place(windows: Scored, query: int = 0) -> Moment:
+    """The window most similar to a query."""
+    i = int(np.argmax(windows.scores[query]))
+    return Moment(float(windows.starts[i]), float(windows.ends[i]), float(windows.scores[query, i]))
+
+
+def best_of(bundle: Bundle, motion: Motion, queries: Vectors, sizes: Sequence[int] = SIZES) -> list[dict[int, Moment]]:
+    """For each query (Q, D), the answer of each window size, and under 0 the best of them all."""
+    slid = {size: slide(bundle, motion, queries, size) for size in sizes}
+    answers = []
+    for query in range(len(queries)):
+        found = {size: best_place(windows, query) for size, windows in slid.items()}
+        answers.append(found | {0: max(found.values(), key=lambda moment: moment.score)})
+    return answers

@@ -1,0 +1,1 @@
+"""Answers as files: cuts of motion and annotations."""

@@ -1,0 +1,79 @@
+"""A cut of a motion as a file: the source's own BVH lines, or the 22 joints."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+
+from encoders.errors import QueryError
+from encoders.motion import Motion
+from search.export import bvh_writer
+from search.source import Source
+
+
+def write_cut(source: Source, out: Path, start: float | None = None, end: float | None = None) -> tuple[int, float]:
+    """Write a motion, or its cut from `start` to `end` in seconds, in the format that the ending of `out` names.
+
+    Returns
+    -------
+    frames : int
+    fps : float
+        Of what was written.
+
+    Raises
+    ------
+    QueryError
+        If the cut lies outside the motion, or the ending names no format that can be written.
+    """
+    motion = source.cut(start, end)
+    writer = WRITERS.get(out.suffix.lower())
+    if writer is None:
+        raise QueryError(f"{out}: can write {', '.join(WRITERS)}")
+    if writer is _write_bvh and source.file is not None and bvh_writer.is_bvh(source.file):
+        first = max(start or 0.0, 0.0)
+        with replacing(out) as file:
+            return bvh_writer.cut(source.file, file, first, first + motion.duration, duration=source.duration)
+    with replacing(out) as file:
+        writer(file, motion)
+    return len(motion), motion.fps
+
+
+def _write_bvh(file: IO[bytes], motion: Motion) -> None:
+    bvh_writer.write(file, motion)
+
+
+def _write_npz(file: IO[bytes], motion: Motion) -> None:
+    np.savez_compressed(file, joints=motion.joints, fps=np.float64(motion.fps))
+
+
+def _write_npy(file: IO[bytes], motion: Motion) -> None:
+    np.save(file, motion.joints)
+
+
+#: Ending -> what writes it.
+WRITERS: dict[str, Callable[[IO[bytes], Motion], None]] = {".bvh": _write_bvh, ".npz": _write_npz, ".npy": _write_npy}
+
+
+@contextmanager
+def replacing(out: Path) -> Iterator[IO[bytes]]:
+    """A file that takes the place of `out` once it is whole."""
+    try:
+        handle, name = tempfile.mkstemp(dir=out.absolute().parent, prefix=f".{out.name}.")
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(out)) from None
+    try:
+        with os.fdopen(handle, "wb") as file:
+            yield file
+        umask = os.umask(0)
+        os.umask(umask)
+        os.chmod(name, 0o666 & ~umask)
+        os.replace(name, out)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise

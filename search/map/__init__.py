@@ -1,0 +1,1 @@
+"""The map: a library's clips as points of a plane."""

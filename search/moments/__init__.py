@@ -1,0 +1,1 @@
+"""Where in a take something happens: window scores, boundaries, sequences, segments."""

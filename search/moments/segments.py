@@ -1,0 +1,91 @@
+"""Who does what when: a whole take divided among labels, with "nothing known" allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.bundle.bundle import Bundle
+from encoders.motion import Motion
+from search.moments.boundaries import frame_curve
+from search.moments.window_scores import Vectors
+from search.query.encoding import encode_queries
+
+#: The label of what none of the labels fits.
+UNKNOWN = ""
+
+#: What changing the label costs, in seconds times cosine.
+_SWITCH = 0.075
+#: A label must stand so far above what nine of ten unrelated motions score for it.
+_MARGIN = 0.02
+_BACKGROUND_PERCENTILE = 90
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A span in seconds, its label (`UNKNOWN` where none fits) and its mean similarity to it."""
+
+    start: float
+    end: float
+    label: str
+    score: float
+
+
+def segment(bundle: Bundle, motion: Motion, labels: Sequence[str]) -> list[Segment]:
+    """Divide a motion among labels so that the segments cover it all, in order, without overlap.
+
+    The similarity of each label over time, less what unrelated motion scores for it, goes through Viterbi's
+    algorithm with a cost for each change.
+    """
+    queries = encode_queries(bundle, labels)
+    similarity = frame_curve(bundle, bundle.features(motion), bundle.fps, queries)
+    excess = similarity - _unrelated(bundle, queries, similarity)[:, None] - _MARGIN
+    path = best_path(np.vstack([np.zeros(excess.shape[1]), excess]), _SWITCH * bundle.fps)
+    starts = np.flatnonzero(np.diff(path, prepend=-1))
+    ends = np.append(starts[1:], len(path))
+    return [
+        Segment(
+            float(a / bundle.fps),
+            float(b / bundle.fps) if b < len(path) else motion.duration,
+            labels[path[a] - 1] if path[a] else UNKNOWN,
+            float(similarity[path[a] - 1, a:b].mean()) if path[a] else 0.0,
+        )
+        for a, b in zip(starts, ends, strict=True)
+    ]
+
+
+def best_path(gains: NDArray[np.floating], switch: float) -> NDArray[np.int64]:
+    """The state at each instant that gains most in sum, each change of state costing `switch` (Viterbi).
+
+    Parameters
+    ----------
+    gains : array (S, T)
+
+    Returns
+    -------
+    int64 array (T,)
+    """
+    states, count = gains.shape
+    came_from = np.empty((count, states), np.int16)
+    own = np.arange(states)
+    value = np.asarray(gains[:, 0], np.float64)
+    for t in range(1, count):  # each instant needs the one before
+        leader = int(np.argmax(value))
+        change = value[leader] - switch
+        came_from[t] = np.where(value >= change, own, leader)
+        value = np.maximum(value, change) + gains[:, t]
+    path = np.empty(count, np.int64)
+    path[-1] = int(np.argmax(value))
+    for t in range(count - 1, 0, -1):
+        path[t - 1] = came_from[t, path[t]]
+    return path
+
+
+def _unrelated(bundle: Bundle, queries: Vectors, similarity: Vectors) -> NDArray[np.floating]:
+    """What unrelated motion scores for each label (L,): the model's background, else the take's own median."""
+    if bundle.calibration is None:
+        return np.asarray(np.median(similarity, axis=1))
+    return np.asarray(np.percentile(queries @ bundle.calibration["motions"].T, _BACKGROUND_PERCENTILE, axis=1))

@@ -1,0 +1,30 @@
+"""A sentence as a query vector: the mean over a few phrasings of it, which no single odd wording can break."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.bundle.bundle import Bundle
+from search.query.paraphrases import phrasings
+
+
+def encode_queries(bundle: Bundle, sentences: Sequence[str]) -> NDArray[np.float32]:
+    """Unit query vectors.
+
+    Parameters
+    ----------
+    sentences : sequence of str
+        As the user wrote them.
+
+    Returns
+    -------
+    float32 array (Q, D)
+    """
+    worded = [phrasings(sentence) for sentence in sentences]
+    vectors = bundle.encode_texts([phrase for group in worded for phrase in group])
+    starts = np.cumsum([0] + [len(group) for group in worded[:-1]])
+    means = np.add.reduceat(vectors, starts, axis=0)
+    return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True), dtype=np.float32)

@@ -1,0 +1,1 @@
+"""Which clips answer, in which order, and how sure that is."""
