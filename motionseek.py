@@ -25,7 +25,7 @@ from encoders.motion import Motion
 from indexer.ingest.indexing import Summary, index
 from indexer.ingest.load import load_motion as load
 from search.hits import Hit, Step
-from search.library import SearchableLibrary as Library
+from search.library import Library as Library
 
 
 def open(folder: str | PathLike[str], *, bundle: Bundle | None = None) -> Library:

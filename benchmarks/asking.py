@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from encoders.bundle.bundle import Bundle
 from encoders.corpus.composition.real import real_clips
 from encoders.corpus.composition.seeds import VALIDATION
-from encoders.corpus.composition.synthetic import made_clips
+from encoders.corpus.composition.synthetic import synthetic_clips
 from encoders.corpus.language import describe, parse
 from encoders.features.registry import FEATURE_KINDS
 from encoders.metrics import ranks
 from indexer.datasets.captioned_takes import captioned_takes
 from search.query.encoding import encode_queries
-from search.ranking.hubness import nearness
+from search.ranking.hubness import hubness_penalty
 
 Array = NDArray[np.float32]
 
@@ -44,7 +44,7 @@ def main() -> None:
     right = np.array([[sentence in captions for _, captions in spans] for sentence in sentences])
     plain, phrased = bundle.encode_texts(sentences), encode_queries(bundle, sentences)
     said = _unit(phrased + 0.5 * np.stack([_described(bundle, s, q) for s, q in zip(sentences, phrased, strict=True)]))
-    bank = bundle.encode_texts([clip.captions[0] for clip in made_clips(VALIDATION, 500, kind)])
+    bank = bundle.encode_texts([clip.captions[0] for clip in synthetic_clips(VALIDATION, 500, kind)])
     crowded = np.sort(bank @ gallery.T, axis=0)[-10:].mean(axis=0)
     cosines = plain @ gallery.T
     print(f"{len(sentences)} sentences, {len(spans)} spans, {bundle.name} {bundle.fingerprint[:12]}\n")
@@ -54,8 +54,8 @@ def main() -> None:
     _row("and with captions of the scene it is read as", said @ gallery.T, right)
     _row("less what the motion scores with a bank of sentences", phrased @ gallery.T - 0.25 * crowded, right)
     _row("motion -> sentence: the cosine", cosines.T, right.T)
-    _row("less a share of what the sentence scores with unrelated motions (kept)", cosines.T - nearness(bundle, plain),
-         right.T)  # fmt: skip
+    penalised = cosines.T - hubness_penalty(bundle, plain)
+    _row("less a share of what the sentence scores with unrelated motions (kept)", penalised, right.T)
 
 
 def _described(bundle: Bundle, sentence: str, vector: Array) -> Array:

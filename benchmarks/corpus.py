@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from encoders.corpus.actions.programs import programs, sample_step
 from encoders.corpus.composition.scene_clips import make_clip
-from encoders.corpus.scene import Clip, Scene
+from encoders.corpus.scene import Scene, SceneClip
 from encoders.skeleton import INDEX
 
 _ANKLES = [INDEX["left_ankle"], INDEX["right_ankle"]]
@@ -26,7 +26,7 @@ NOT_STANDING = frozenset(
 )
 
 
-def stance_speeds(clip: Clip) -> NDArray[np.float64]:
+def stance_speeds(clip: SceneClip) -> NDArray[np.float64]:
     """Horizontal speed (cm/s) of every sole that stands: ankle and toe both within 3 cm of their lowest heights."""
     ankles, toes = clip.joints[:, _ANKLES].astype(np.float64), clip.joints[:, _TOES].astype(np.float64)
     low = (ankles[..., 1] < ankles[..., 1].min() + 0.03) & (toes[..., 1] < toes[..., 1].min() + 0.03)

@@ -19,7 +19,7 @@ from encoders.corpus.composition.facts import facts, hold
 from encoders.corpus.composition.real import real_clips
 from encoders.corpus.composition.real_captions import retell
 from encoders.corpus.composition.seeds import VALIDATION
-from encoders.corpus.composition.synthetic import made_clips
+from encoders.corpus.composition.synthetic import synthetic_clips
 from encoders.features.registry import FEATURE_KINDS
 from indexer.datasets.captioned_takes import captioned_takes
 
@@ -39,7 +39,7 @@ def main() -> None:
     sentences = [said for _, retold in told for said in retold.captions]
     stated = [meaning for _, retold in told for meaning in retold.meanings[-len(retold.captions) :]]
 
-    made = list(made_clips(VALIDATION, args.count, kind))
+    made = list(synthetic_clips(VALIDATION, args.count, kind))
     true = hold(stated, [facts(clip.scene) for clip in made])
 
     texts = bundle.encode_texts(sentences)

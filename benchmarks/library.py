@@ -19,7 +19,7 @@ import numpy as np
 
 from indexer.ingest import indexing
 from indexer.store import schema
-from indexer.store.stored_library import FILE, Library
+from indexer.store.stored_library import FILE, StoredLibrary
 
 A_CLIP = 50  # windows
 
@@ -29,7 +29,7 @@ def index(folder: Path, jobs: int | None) -> None:
     with tempfile.TemporaryDirectory() as place:
         first = indexing.index(folder, library=place, jobs=jobs)
         second = indexing.index(folder, library=place, jobs=jobs)
-        with Library.open(place) as library:
+        with StoredLibrary.open(place) as library:
             stats = library.stats()
     print(f"{first.indexed} clips, {stats['seconds'] / 3600:.2f} h of motion, {len(first.failed)} files failed")
     print(f"library {stats['bytes'] / 1e6:.1f} MB, {stats['windows']} windows")
@@ -51,9 +51,9 @@ def _row(place: Path, vectors: np.ndarray, count: int, size: int) -> None:
     rng = np.random.default_rng(1)
     query = rng.standard_normal((1, size), np.float32)
     query /= np.linalg.norm(query)
-    with Library.open(place) as library:
+    with StoredLibrary.open(place) as library:
         build = _once(lambda: library.nearest_windows(query, 10))
-    with Library.open(place) as library:
+    with StoredLibrary.open(place) as library:
         opened = _once(lambda: library.nearest_windows(query, 10))
         allowed = np.sort(rng.choice(library.ids(), len(library) // 10, replace=False))
         windows = _times(lambda: library.nearest_windows(query, 10))
@@ -72,7 +72,7 @@ def _row(place: Path, vectors: np.ndarray, count: int, size: int) -> None:
 
 def _library(folder: Path, count: int, size: int) -> np.ndarray:
     """A library of `count` random windows, 50 a clip; the vectors (count, size)."""
-    Library.open(folder, create=True).close()
+    StoredLibrary.open(folder, create=True).close()
     rng = np.random.default_rng(0)
     vectors = rng.standard_normal((count, size), np.float32)
     vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)

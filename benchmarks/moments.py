@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from encoders.bundle.bundle import Bundle
 from encoders.bundle.windows import LENGTHS as STORED
-from encoders.bundle.windows import OVERLAP
+from encoders.bundle.windows import WINDOWS_A_LENGTH
 from encoders.motion import Motion
 from indexer.ingest.load import load_motion
 from indexer.vectors.flat import FlatVectors, Found, Rows
@@ -119,7 +119,7 @@ class Simulated:
         rng = np.random.default_rng(seed)
         parts = []
         for length in STORED:
-            starts = np.arange(0, hours * 3600 - length, length / OVERLAP)
+            starts = np.arange(0, hours * 3600 - length, length / WINDOWS_A_LENGTH)
             owners = (starts // 60).astype(np.int64)  # a clip a minute
             noisy = vectors[rng.integers(len(vectors), size=len(starts))]
             noisy = noisy + rng.standard_normal(noisy.shape, dtype=np.float32) * 0.03

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from encoders.corpus.composition.real import real_clips
 from encoders.corpus.composition.synthetic import make
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.scene import ActionStep, Scene
 from encoders.features.canonical import FPS, LAYOUT, POINTS
 from encoders.features.registry import FEATURE_KINDS
 from indexer.datasets.captioned_takes import captioned_takes
@@ -56,7 +56,7 @@ def main() -> None:
     rng = np.random.default_rng(0)
     for action, said, speed in _GAITS:
         fitting = [x for x, captions in real if all(re.search(said, c) and not _BESIDES.search(c) for c in captions)]
-        scene = Scene(((Step(action, direction="forward"),),))
+        scene = Scene(((ActionStep(action, direction="forward"),),))
         acted = [make(scene, rng, _BODY, count=1).features for _ in range(arguments.made)]
         print(f"\n{action}: {len(fitting)} real clips, {len(acted)} made")
         if not fitting:

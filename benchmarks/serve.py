@@ -33,11 +33,11 @@ import numpy as np
 
 from benchmarks.simulated import all_sentences, asked, simulate
 from encoders.bundle import bundle as bundles
-from indexer.store.stored_library import FILE, Library
+from indexer.store.stored_library import FILE, StoredLibrary
 from indexer.vectors.blocks import Block
 from indexer.vectors.flat import FlatVectors
 from indexer.vectors.sync import CLIPS, WINDOWS, Galleries
-from search.library import SearchableLibrary
+from search.library import Library
 from search.query.encoding import encode_queries
 
 _CONNECTIONS = 64
@@ -135,7 +135,7 @@ async def load(
 def recall(folder: Path, sentences: list[str]) -> dict[str, float]:
     """By the name of an index: share of the rows an exact search gives for sentences that are given."""
     found = {}
-    with SearchableLibrary.open(folder) as library:
+    with Library.open(folder) as library:
         queries, galleries = encode_queries(library.bundle, sentences), Galleries(library.folder / "vectors")
         for kind, k in ((CLIPS, 10), (WINDOWS, 160)):
             index = galleries.current(kind, library.connection)
@@ -255,7 +255,7 @@ def main() -> None:
         simulate(given.library, given.around, given.clips, given.noise)
         print(f"simulated in {time.perf_counter() - began:.0f} s")
     began = time.perf_counter()
-    with Library.open(given.library) as library:
+    with StoredLibrary.open(given.library) as library:
         library.prepare()
         stats = library.stats()
     print(f"{stats['clips']} clips, {stats['windows']} windows; indexes ready in {time.perf_counter() - began:.0f} s")

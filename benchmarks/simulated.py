@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from indexer.store import schema
-from indexer.store.stored_library import FILE, Library
+from indexer.store.stored_library import FILE, StoredLibrary
 from indexer.store.writer import INDEXED
 from indexer.vectors.sync import CLIPS
 from search.query.vocabulary import vocabulary
@@ -27,13 +27,13 @@ _CAPTIONED = 0.3
 def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0) -> None:
     """Write a library of `count` clips that resemble those of another one, in the library's own format."""
     rng = np.random.default_rng(seed)
-    with Library.open(around) as real:
+    with StoredLibrary.open(around) as real:
         clips = [(clip, real.windows(clip.id)) for clip in real.clips(real.ids().tolist()).values()]
         rows = real._galleries.current(CLIPS, real.connection).rows
         whole = dict(zip(rows.owners.tolist(), rows.vectors, strict=True))
         model = real._model()
     assert model is not None
-    Library.open(folder, create=True).close()
+    StoredLibrary.open(folder, create=True).close()
     sentences = all_sentences()
     db = schema.connect(folder / FILE, writable=True)
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from encoders.errors import QueryError
 from encoders.motion import Motion
 from indexer.store.clips import Clip
-from indexer.store.stored_library import Library
+from indexer.store.stored_library import StoredLibrary
 from search.hits import Hit, Hits, Step
 from search.moments.across_clips import best_moments
 from search.moments.localisation import Moment
@@ -23,12 +23,12 @@ from search.moments.window_scores import Vectors
 from search.query.filters import Filters
 from search.query.question import Question
 from search.ranking.alignment import LONGEST, LOOKED_AT, likeness
-from search.ranking.clip_scores import Evidence, best_evidence, likeliest_in_order
+from search.ranking.clip_scores import ClipScore, best_clips, likeliest_in_order
 from search.ranking.paging import rounds
-from search.ranking.strength import judge, temper_hits
-from search.source import Source, find_clip, find_source
+from search.ranking.strength import downgrade_hits, judge
+from search.source import MotionSource, find_clip, find_source
 
-Ref: TypeAlias = "str | PathLike[str] | Motion | Source"
+Ref: TypeAlias = "str | PathLike[str] | Motion | MotionSource"
 Ids = NDArray[np.int64]
 Located = tuple[int, Moment, tuple[Step, ...]]
 
@@ -38,7 +38,7 @@ _ROUND, _OF_EACH = 20, 10
 _SHORTEST_CUT = 0.5
 
 
-class SearchableLibrary(Library):
+class Library(StoredLibrary):
     """An indexed folder that answers questions.
 
     Every question takes the fields of `search.query.filters.Filters` as keyword arguments and answers with at most
@@ -89,7 +89,7 @@ class SearchableLibrary(Library):
         if ref is not None:
             return moments_in(self.bundle, self.source(ref), question, k)
         queries, allowed = question.encode(self.bundle), self.allowed(**filters)
-        return temper_hits(self.bundle, question.sentences, self._moment_hits(question, queries, k, allowed))
+        return downgrade_hits(self.bundle, question.sentences, self._moment_hits(question, queries, k, allowed))
 
     def describe(self, ref: Ref, k: int = 5) -> list[tuple[str, float]]:
         """The sentences that fit a motion best: the library's captions and the shipped vocabulary."""
@@ -129,10 +129,10 @@ class SearchableLibrary(Library):
             return self._moment_hits(Question((source.path,)), vector[None], k, allowed, asked="motion")
         if is_cut:
             return self._clip_hits(vector, k, allowed, asked="motion")
-        evidence = best_evidence(self, vector, max(k, LOOKED_AT), allowed=allowed, windows=False)
+        evidence = best_clips(self, vector, max(k, LOOKED_AT), allowed=allowed, windows=False)
         return self._hits(vector, self._alike_first(motion, evidence)[:k], asked="motion")
 
-    def _alike_first(self, motion: Motion, evidence: list[Evidence]) -> list[Evidence]:
+    def _alike_first(self, motion: Motion, evidence: list[ClipScore]) -> list[ClipScore]:
         """The clips nearest in meaning, those first that also move alike moment by moment; scores rise accordingly."""
         clips = self.clips([e.clip_id for e in evidence])
         near = [e for e in evidence[:LOOKED_AT] if clips[e.clip_id].duration <= LONGEST]
@@ -143,7 +143,7 @@ class SearchableLibrary(Library):
         raised = [replace(e, score=min(1.0, e.score + gain.get(e.clip_id, 0.0))) for e in evidence]
         return sorted(raised, key=lambda e: -e.score)
 
-    def source(self, ref: Ref) -> Source:
+    def source(self, ref: Ref) -> MotionSource:
         """What a reference names.
 
         Raises
@@ -151,9 +151,9 @@ class SearchableLibrary(Library):
         UnreadableMotion, LibraryError
             If it names nothing that can be read.
         """
-        if isinstance(ref, Source):
+        if isinstance(ref, MotionSource):
             return ref
-        return Source.of_motion(ref) if isinstance(ref, Motion) else find_source(ref, self)
+        return MotionSource.of_motion(ref) if isinstance(ref, Motion) else find_source(ref, self)
 
     def known(self, ref: str | PathLike[str]) -> Clip | None:
         """The clip a reference names, or None for a file that is not in the library."""
@@ -176,12 +176,12 @@ class SearchableLibrary(Library):
     def _sentence_hits(self, text: str, query: Vectors, k: int, filters: Mapping[str, Any]) -> list[Hit]:
         """The clips that fit a sentence best, whose query vector (D,) is this."""
         found = self._clip_hits(query, k, self.allowed(**filters), asked="sentence")
-        return temper_hits(self.bundle, (text,), found)
+        return downgrade_hits(self.bundle, (text,), found)
 
     def _clip_hits(self, query: Vectors, k: int, allowed: Ids | None, *, asked: str, windows: bool = True) -> list[Hit]:
-        return self._hits(query, best_evidence(self, query, k, allowed=allowed, windows=windows), asked=asked)
+        return self._hits(query, best_clips(self, query, k, allowed=allowed, windows=windows), asked=asked)
 
-    def _hits(self, query: Vectors, evidence: list[Evidence], *, asked: str) -> list[Hit]:
+    def _hits(self, query: Vectors, evidence: list[ClipScore], *, asked: str) -> list[Hit]:
         strengths = judge(self.bundle, query, [e.score for e in evidence], asked=asked)
         clips = self.clips([e.clip_id for e in evidence])
         return Hits(
@@ -208,8 +208,8 @@ class SearchableLibrary(Library):
     def _best_moments(self, queries: Vectors, k: int, allowed: Ids | None) -> list[Located]:
         """Windows of all clips say where; each place is then looked at closely."""
 
-        def source_of(clip_id: int) -> Source:
-            return Source.of_clip(self, self.clip(clip_id))
+        def source_of(clip_id: int) -> MotionSource:
+            return MotionSource.of_clip(self, self.clip(clip_id))
 
         found = best_moments(self.bundle, self, source_of, queries, k, allowed=allowed)
         return [(clip_id, moment, ()) for clip_id, moment in found]
@@ -220,7 +220,7 @@ class SearchableLibrary(Library):
             found: list[Located] = [
                 (clip.id, moment, steps)
                 for clip in self.clips(ids).values()
-                for moment, steps in find(self.bundle, Source.of_clip(self, clip), question, queries, _OF_EACH)
+                for moment, steps in find(self.bundle, MotionSource.of_clip(self, clip), question, queries, _OF_EACH)
             ]
             yield from sorted(found, key=lambda entry: -entry[1].score)
 
@@ -236,7 +236,7 @@ class SearchableLibrary(Library):
         )
 
 
-def _span(evidence: Evidence, duration: float) -> Moment:
+def _span(evidence: ClipScore, duration: float) -> Moment:
     if evidence.start is None or evidence.end is None:
         return Moment(0.0, duration, evidence.score)
     return Moment(evidence.start, evidence.end, evidence.score)

@@ -14,7 +14,7 @@ import torch
 from encoders.bundle.bundle import Bundle
 from encoders.corpus.composition.real import CaptionedTake
 from encoders.corpus.composition.seeds import CALIBRATION
-from encoders.corpus.composition.synthetic import Made, made_clips
+from encoders.corpus.composition.synthetic import SyntheticClip, synthetic_clips
 from encoders.errors import MotionSeekError
 from encoders.features.registry import FEATURE_KINDS
 from encoders.tmr.conversion.to_bundle import export_bundle
@@ -100,6 +100,6 @@ def mean_weights(runs: Sequence[Path]) -> tuple[Recipe, dict[str, torch.Tensor],
     return recipes[-1], weights, [one["step"] for one in saved]
 
 
-def calibration_clips(kind: str) -> Sequence[Made]:
+def calibration_clips(kind: str) -> Sequence[SyntheticClip]:
     """Made clips that are in no training, validation or test set."""
-    return list(made_clips(CALIBRATION, _BACKGROUND + _ASKED, FEATURE_KINDS[kind]))
+    return list(synthetic_clips(CALIBRATION, _BACKGROUND + _ASKED, FEATURE_KINDS[kind]))

@@ -19,14 +19,14 @@ from encoders.motion import Motion
 from indexer.ingest.load import load_motion
 from indexer.ingest.unindexed import read_as_known
 from indexer.store.clips import Caption, Clip
-from indexer.store.stored_library import Library
+from indexer.store.stored_library import StoredLibrary
 
 #: Names held against one that no clip has.
 _LOOKED_THROUGH = 5000
 
 
 @dataclass(frozen=True)
-class Source:
+class MotionSource:
     """A motion with what is known about it.
 
     Attributes
@@ -57,7 +57,7 @@ class Source:
     _windows: dict[str, list[Windows]] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of_clip(cls, library: Library, clip: Clip) -> Source:
+    def of_clip(cls, library: StoredLibrary, clip: Clip) -> MotionSource:
         """A clip of a library, from its stored poses."""
 
         def read(start: float, end: float | None) -> Motion:
@@ -67,7 +67,9 @@ class Source:
         return cls(clip.path, clip.file, clip.duration, read, captions, windows, clip.id)
 
     @classmethod
-    def of_file(cls, path: str | PathLike[str], library: Library | None = None, *, fps: float | None = None) -> Source:
+    def of_file(
+        cls, path: str | PathLike[str], library: StoredLibrary | None = None, *, fps: float | None = None
+    ) -> MotionSource:
         """A file, read now: as a library would read it, where one is given.
 
         Parameters
@@ -84,7 +86,7 @@ class Source:
         return cls.of_motion(motion, fspath(path), Path(path))
 
     @classmethod
-    def of_motion(cls, motion: Motion, path: str = "", file: Path | None = None) -> Source:
+    def of_motion(cls, motion: Motion, path: str = "", file: Path | None = None) -> MotionSource:
         """A motion in memory."""
         return cls(path, file, motion.duration, motion.crop)
 
@@ -132,7 +134,7 @@ class Source:
             raise QueryError(f"{self.path}: {error}; give a start and end inside it, in seconds") from None
 
 
-def find_clip(library: Library, ref: str | PathLike[str]) -> Clip | None:
+def find_clip(library: StoredLibrary, ref: str | PathLike[str]) -> Clip | None:
     """The clip that a reference names, None for a file outside the library.
 
     A file that exists is looked up as such; anything else as a path, name or #id of the library.
@@ -151,7 +153,7 @@ def find_clip(library: Library, ref: str | PathLike[str]) -> Clip | None:
         return None
 
 
-def find_source(ref: str | PathLike[str], library: Library | None, *, fps: float | None = None) -> Source:
+def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps: float | None = None) -> MotionSource:
     """What a reference names.
 
     Parameters
@@ -170,19 +172,19 @@ def find_source(ref: str | PathLike[str], library: Library | None, *, fps: float
     if library is None:
         if not path.exists():
             raise UnreadableMotion(ref, "there is no such file; to name a clip of a library, add --library FOLDER")
-        return Source.of_file(ref, fps=fps)
+        return MotionSource.of_file(ref, fps=fps)
     try:
         clip = find_clip(library, ref)
     except LibraryError as error:
         raise LibraryError(f"{error}{_perhaps(library, fspath(ref))}") from None
     if clip is None:
-        return Source.of_file(ref, library, fps=fps)
+        return MotionSource.of_file(ref, library, fps=fps)
     if fps is not None:
-        return replace(Source.of_file(clip.file, library, fps=fps), path=clip.path, clip_id=clip.id)
-    return Source.of_clip(library, clip)
+        return replace(MotionSource.of_file(clip.file, library, fps=fps), path=clip.path, clip_id=clip.id)
+    return MotionSource.of_clip(library, clip)
 
 
-def _perhaps(library: Library, ref: str) -> str:
+def _perhaps(library: StoredLibrary, ref: str) -> str:
     """What may have been meant by a reference that names no clip, or several."""
     if library.ids("clips.name = ?", [ref]).size:
         return ""

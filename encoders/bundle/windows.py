@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 #: Seconds; each window starts a quarter of its length after the one before.
 LENGTHS = (1.6, 3.2, 6.4)
-OVERLAP = 4
+WINDOWS_A_LENGTH = 4
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def ends_of(starts: NDArray[np.float32], length: float, duration: float) -> NDAr
 
 def first_rows(rows: int, size: int) -> NDArray[np.int64]:
     """Where windows of `size` feature rows start in a clip of `rows`; the last one is flush with the end."""
-    stride = max(size // OVERLAP, 1)
+    stride = max(size // WINDOWS_A_LENGTH, 1)
     starts = np.arange(0, max(rows - size, 0) + 1, stride)
     return starts if starts[-1] + size >= rows else np.append(starts, rows - size)
 

@@ -11,7 +11,7 @@ from encoders.motion import FPS
 
 
 @dataclass(frozen=True)
-class Step:
+class ActionStep:
     """One action with its particulars; an empty field says nothing about it.
 
     Attributes
@@ -55,14 +55,14 @@ class Step:
 class Scene:
     """Steps in sequence; the steps of one inner tuple happen at once."""
 
-    steps: tuple[tuple[Step, ...], ...]
+    steps: tuple[tuple[ActionStep, ...], ...]
 
     def __str__(self) -> str:
         return "; then ".join(" while ".join(map(str, group)) for group in self.steps)
 
 
 @dataclass(frozen=True)
-class Clip:
+class SceneClip:
     """A made motion and everything known about it.
 
     Attributes

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from indexer.ingest.scan import File, Folder
 from indexer.store.read_options import Asked
-from indexer.store.writer import INDEXED, Known, Source, Writer
+from indexer.store.writer import INDEXED, FileVersion, Known, Writer
 
 
 @dataclass
@@ -32,8 +32,8 @@ class Changes:
         Files as they were: those indexed, and those that could not be read.
     """
 
-    read: list[Source] = field(default_factory=list)
-    unreadable: list[tuple[Source, str]] = field(default_factory=list)
+    read: list[FileVersion] = field(default_factory=list)
+    unreadable: list[tuple[FileVersion, str]] = field(default_factory=list)
     moved: list[tuple[int, int, File]] = field(default_factory=list)
     touched: list[tuple[int, File]] = field(default_factory=list)
     gone: list[Known] = field(default_factory=list)
@@ -79,10 +79,10 @@ def compare(
             changes.count_as_before(old)
             continue
         try:
-            source = Source(root_id, file, file.hash(root), recipe)
+            source = FileVersion(root_id, file, file.hash(root), recipe)
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
-            changes.unreadable.append((Source(root_id, file, "", recipe), reason))
+            changes.unreadable.append((FileVersion(root_id, file, "", recipe), reason))
             continue
         if old is not None and not again and old.hash == source.hash:
             changes.touched.append((old.id, file))
@@ -104,7 +104,7 @@ def compare(
 
 
 def _origin(
-    writer: Writer, source: Source, found: set[str], taken: set[int], asked: Asked, rate: float | None
+    writer: Writer, source: FileVersion, found: set[str], taken: set[int], asked: Asked, rate: float | None
 ) -> int | None:
     """The file that this one was: of the same content, to be read as it was, and not there any more."""
     for file_id, root_id, path, state, recipe in writer.same_content(source.hash):

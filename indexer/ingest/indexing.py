@@ -21,8 +21,8 @@ from indexer.ingest.pool import Read, Request, read_all
 from indexer.ingest.reencode import reencode
 from indexer.ingest.scan import walk
 from indexer.store.read_options import Asked
-from indexer.store.stored_library import FILE, FOLDER, Library
-from indexer.store.writer import INDEXED, Source, Writer, writing
+from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
+from indexer.store.writer import INDEXED, FileVersion, Writer, writing
 
 if TYPE_CHECKING:
     from encoders.bundle.bundle import Bundle
@@ -72,7 +72,7 @@ class _Task:
     """A file to be read: where it lies, and what the library will know of it."""
 
     root: Path
-    source: Source
+    source: FileVersion
 
     @property
     def path(self) -> Path:
@@ -141,7 +141,7 @@ def index(
         for key, folder in keys.items():
             summary.warnings += captions.unmatched(writer.connection, folder, synced[key])
         captions.encode_texts(writer, bundle, model_id)
-    with Library.open(place, bundle=bundle) as made:
+    with StoredLibrary.open(place, bundle=bundle) as made:
         made.prepare()
     summary.seconds = time.monotonic() - began
     return summary
@@ -158,7 +158,7 @@ def _places(
     if library is not None and not (place / FILE).is_file() and (place / FOLDER / FILE).is_file():
         place /= FOLDER
     if not given:
-        with Library.open(place) as known:
+        with StoredLibrary.open(place) as known:
             given = list(known.roots)
     folders = list(dict.fromkeys(Path(folder).resolve() for folder in given))
     for folder in folders:
@@ -167,7 +167,7 @@ def _places(
     return place.resolve(), folders
 
 
-def _request(root: Path, source: Source) -> Request[_Task]:
+def _request(root: Path, source: FileVersion) -> Request[_Task]:
     recipe = source.recipe
     return Request(_Task(root, source), root / source.file.path, recipe.fps, dict(recipe.joint_map) or None)
 

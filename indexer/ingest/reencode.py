@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from indexer.ingest import captions
 from indexer.ingest.encode import encode
-from indexer.store.stored_library import Library
+from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def reencode(
         from encoders.bundle.bundle import Bundle
 
         bundle = Bundle.load()
-    with Library.open(library) as poses, writing(poses.folder) as writer:
+    with StoredLibrary.open(library) as poses, writing(poses.folder) as writer:
         with writer.batch():
             model_id = writer.use_model(bundle, current=False)
         total = _encode_clips(poses, writer, bundle, model_id, progress)
@@ -54,13 +54,13 @@ def reencode(
         with writer.batch():
             writer.switch_model(model_id)
         folder = poses.folder
-    with Library.open(folder, bundle=bundle) as made:
+    with StoredLibrary.open(folder, bundle=bundle) as made:
         made.prepare()
     return total
 
 
 def _encode_clips(
-    library: Library,
+    library: StoredLibrary,
     writer: Writer,
     bundle: Bundle,
     model_id: int,

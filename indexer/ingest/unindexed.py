@@ -10,14 +10,14 @@ from typing import Any
 from encoders.motion import Motion
 from indexer.ingest import worker
 from indexer.ingest.scan import SKELETONS, File, walk
-from indexer.store.read_options import Recipe
-from indexer.store.stored_library import Library
+from indexer.store.read_options import ReadOptions
+from indexer.store.stored_library import StoredLibrary
 
 #: Formats that name no frame rate: what a library was told of others of their skeleton is the best guess there is.
 _RATELESS = frozenset({".amc", ".npy"})
 
 
-def read_as_known(library: Library, path: Path, *, fps: float | None = None) -> Motion:
+def read_as_known(library: StoredLibrary, path: Path, *, fps: float | None = None) -> Motion:
     """A file's motion, read as `recipe_of` says or, where the library knows nothing of it, as others of its skeleton.
 
     Parameters
@@ -31,7 +31,7 @@ def read_as_known(library: Library, path: Path, *, fps: float | None = None) -> 
         If it holds no motion that can be read.
     """
     known = recipe_of(library, path)
-    recipe = known or Recipe()
+    recipe = known or ReadOptions()
     motion, rig = worker.read(str(path), fps or recipe.fps, dict(recipe.joint_map) or None)
     if known is None and fps is None and path.suffix.lower() in _RATELESS:
         rate = _rate_of_rig(library, rig, path.suffix.lower().lstrip("."))
@@ -40,7 +40,7 @@ def read_as_known(library: Library, path: Path, *, fps: float | None = None) -> 
     return motion
 
 
-def recipe_of(library: Library, path: Path) -> Recipe | None:
+def recipe_of(library: StoredLibrary, path: Path) -> ReadOptions | None:
     """How a library reads a file, by its path or its content; None where it knows nothing of it.
 
     As in a run of the index, the rate that a captions table states goes before what was asked for. Files of one content
@@ -54,15 +54,15 @@ def recipe_of(library: Library, path: Path) -> Recipe | None:
             recipe = recipe or _only(library, "root_id = ? AND path = ? AND state != 'gone'", named)
             rate = rate or _stated(library, named)
     recipe = recipe or _of_content(library, place)
-    return recipe if rate is None else replace(recipe or Recipe(), fps=rate)
+    return recipe if rate is None else replace(recipe or ReadOptions(), fps=rate)
 
 
-def _roots(library: Library) -> list[tuple[int, Path]]:
+def _roots(library: StoredLibrary) -> list[tuple[int, Path]]:
     rows = library.connection.execute("SELECT id, path FROM roots ORDER BY id")
     return [(key, (library.folder / path).resolve()) for key, path in rows]
 
 
-def _stated(library: Library, named: Sequence[Any]) -> float | None:
+def _stated(library: StoredLibrary, named: Sequence[Any]) -> float | None:
     """The frame rate that a captions table states, the last one where there are several."""
     row = library.connection.execute(
         "SELECT fps FROM captions WHERE root_id = ? AND path = ? AND fps IS NOT NULL ORDER BY id DESC LIMIT 1", named
@@ -70,7 +70,7 @@ def _stated(library: Library, named: Sequence[Any]) -> float | None:
     return None if row is None else float(row[0])
 
 
-def _of_content(library: Library, place: Path) -> Recipe | None:
+def _of_content(library: StoredLibrary, place: Path) -> ReadOptions | None:
     try:
         file = _scanned(place)
         if library.connection.execute("SELECT 1 FROM files WHERE size = ? LIMIT 1", (file.size,)).fetchone() is None:
@@ -90,19 +90,19 @@ def _scanned(place: Path) -> File:
     return File(place.name, place.stat().st_size, place.stat().st_mtime_ns)
 
 
-def _only(library: Library, condition: str, values: Sequence[Any]) -> Recipe | None:
+def _only(library: StoredLibrary, condition: str, values: Sequence[Any]) -> ReadOptions | None:
     """The one recipe of the files that meet an SQL condition; None where there are none, or several."""
     rows = library.connection.execute(f"SELECT DISTINCT recipe FROM files WHERE {condition}", values).fetchall()
-    recipes = {replace(Recipe.of(text), from_table=False, reading=0) for (text,) in rows}
+    recipes = {replace(ReadOptions.of(text), from_table=False, reading=0) for (text,) in rows}
     return recipes.pop() if len(recipes) == 1 else None
 
 
-def _rate_of_rig(library: Library, rig: str, format: str) -> float | None:
+def _rate_of_rig(library: StoredLibrary, rig: str, format: str) -> float | None:
     """The frame rate at which all clips of a rig and format were read, if they were told one and the same."""
     rows = library.connection.execute(
         "SELECT DISTINCT files.recipe FROM clips JOIN files ON files.id = clips.file_id "
         "WHERE files.state = 'indexed' AND clips.rig = ? AND clips.format = ?",
         (rig, format),
     )
-    rates = {Recipe.of(text).fps for (text,) in rows}
+    rates = {ReadOptions.of(text).fps for (text,) in rows}
     return rates.pop() if len(rates) == 1 else None

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 #: Grows when files come to be read differently than before, so that all are read again.
-READING = 1
+READER_VERSION = 1
 
 
 @dataclass(frozen=True)
-class Recipe:
+class ReadOptions:
     """How a file was read.
 
     Attributes
@@ -23,26 +23,26 @@ class Recipe:
     joint_map : tuple of (target joint, joint of the file)
         What was said of its joints.
     reading : int
-        `READING` at that time; -1 where it is not known.
+        `READER_VERSION` at that time; -1 where it is not known.
     """
 
     fps: float | None = None
     from_table: bool = False
     joint_map: tuple[tuple[str, str], ...] = ()
-    reading: int = READING
+    reading: int = READER_VERSION
 
     def text(self) -> str:
         """As it is stored."""
         return json.dumps([self.reading, self.fps, self.from_table, self.joint_map], ensure_ascii=False)
 
     @staticmethod
-    def of(text: str) -> Recipe:
+    def of(text: str) -> ReadOptions:
         """From what is stored."""
         try:
             reading, fps, from_table, joint_map = json.loads(text)
-            return Recipe(fps, from_table, tuple((str(a), str(b)) for a, b in joint_map), reading)
+            return ReadOptions(fps, from_table, tuple((str(a), str(b)) for a, b in joint_map), reading)
         except (ValueError, TypeError):
-            return Recipe(reading=-1)
+            return ReadOptions(reading=-1)
 
 
 @dataclass(frozen=True)
@@ -61,11 +61,11 @@ class Asked:
     joint_map: Mapping[str, str] | None = None
     retry: bool = False
 
-    def recipe(self, rate: float | None, before: Recipe | None) -> Recipe:
+    def recipe(self, rate: float | None, before: ReadOptions | None) -> ReadOptions:
         """The recipe for a file with a rate from a captions table, if any, and the recipe it was read by before."""
-        before = before or Recipe()
+        before = before or ReadOptions()
         joint_map = before.joint_map if self.joint_map is None else tuple(sorted(self.joint_map.items()))
         if rate is not None:
-            return Recipe(rate, True, joint_map, READING)
+            return ReadOptions(rate, True, joint_map, READER_VERSION)
         asked_before = None if before.from_table else before.fps
-        return Recipe(self.fps or asked_before, False, joint_map, READING)
+        return ReadOptions(self.fps or asked_before, False, joint_map, READER_VERSION)

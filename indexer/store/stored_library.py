@@ -35,7 +35,7 @@ FILE = "library.sqlite"
 _VARIABLES = 500  # a statement takes only so many values
 
 
-class Library:
+class StoredLibrary:
     """An indexed folder. Safe to share between threads; what others write is seen at the next call."""
 
     def __init__(self, folder: Path, *, bundle: Bundle | None = None) -> None:

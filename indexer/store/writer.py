@@ -18,7 +18,7 @@ from indexer.ingest.encode import Encoded
 from indexer.ingest.scan import File
 from indexer.store import poses, schema
 from indexer.store.lock import write_lock
-from indexer.store.read_options import Recipe
+from indexer.store.read_options import ReadOptions
 
 if TYPE_CHECKING:
     from encoders.bundle.bundle import Bundle
@@ -36,18 +36,18 @@ class Known:
     size: int
     mtime_ns: int
     hash: str
-    recipe: Recipe
+    recipe: ReadOptions
     state: str
 
 
 @dataclass(frozen=True)
-class Source:
+class FileVersion:
     """A file's state when it was read: where it lies, what it held, and how it was read."""
 
     root_id: int
     file: File
     hash: str
-    recipe: Recipe
+    recipe: ReadOptions
 
 
 class Writer:
@@ -125,7 +125,7 @@ class Writer:
             (root_id, GONE),
         )
         return {
-            path: Known(file_id, path, size, mtime_ns, digest, Recipe.of(recipe), state)
+            path: Known(file_id, path, size, mtime_ns, digest, ReadOptions.of(recipe), state)
             for file_id, path, size, mtime_ns, digest, recipe, state in rows
         }
 
@@ -141,12 +141,12 @@ class Writer:
         for source, reason in changes.unreadable:
             self.fail(source, reason)
 
-    def fail(self, source: Source, reason: str) -> None:
+    def fail(self, source: FileVersion, reason: str) -> None:
         """Remember that a file cannot be read; a clip that an earlier version of it gave is gone."""
         self._retire(source)
         self._insert(source, FAILED, reason)
 
-    def add(self, source: Source, motion: Motion, rig: str, encoded: Encoded, model_id: int) -> int:
+    def add(self, source: FileVersion, motion: Motion, rig: str, encoded: Encoded, model_id: int) -> int:
         """A new clip, or the new content of a known one; its id."""
         clip_id = self._clip(source, motion, rig)
         db = self.connection
@@ -189,13 +189,13 @@ class Writer:
             self.connection.execute("UPDATE files SET state = ? WHERE id = ?", (GONE, file_id))
             self.connection.execute("UPDATE clips SET generation = ? WHERE file_id = ?", (self._generation, file_id))
 
-    def same_content(self, digest: str) -> list[tuple[int, int, str, str, Recipe]]:
+    def same_content(self, digest: str) -> list[tuple[int, int, str, str, ReadOptions]]:
         """Indexed or gone files of that content: id, root id, path, state, recipe."""
         rows = self.connection.execute(
             "SELECT id, root_id, path, state, recipe FROM files WHERE hash = ? AND state != ? ORDER BY id",
             (digest, FAILED),
         )
-        return [(*row[:4], Recipe.of(row[4])) for row in rows]
+        return [(*row[:4], ReadOptions.of(row[4])) for row in rows]
 
     def switch_model(self, model_id: int) -> None:
         """Answer with the vectors of that model; those of others, and clips that are gone, are dropped."""
@@ -211,7 +211,7 @@ class Writer:
         db.execute("DELETE FROM models WHERE id != ?", (model_id,))
         db.execute("INSERT OR REPLACE INTO settings(key, value) VALUES ('model', ?)", (model_id,))
 
-    def _clip(self, source: Source, motion: Motion, rig: str) -> int:
+    def _clip(self, source: FileVersion, motion: Motion, rig: str) -> int:
         db = self.connection
         values = (*_named(source.file), rig, motion.fps, len(motion), motion.duration, self._generation)
         row = db.execute(
@@ -239,7 +239,7 @@ class Writer:
         )
         return int(row[0])
 
-    def _insert(self, source: Source, state: str, reason: str | None) -> int:
+    def _insert(self, source: FileVersion, state: str, reason: str | None) -> int:
         db, file = self.connection, source.file
         db.execute(
             "DELETE FROM files WHERE root_id = ? AND path = ? AND state = ?", (source.root_id, file.path, FAILED)
@@ -251,7 +251,7 @@ class Writer:
         )
         return int(cursor.lastrowid or 0)
 
-    def _retire(self, source: Source) -> None:
+    def _retire(self, source: FileVersion) -> None:
         rows = self.connection.execute(
             "SELECT id FROM files WHERE root_id = ? AND path = ? AND state = ?",
             (source.root_id, source.file.path, INDEXED),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from indexer.vectors.blocks import Block, Found, Part, Rows
 from indexer.vectors.clustered import ClusteredBlock
-from indexer.vectors.memo import Remembering
+from indexer.vectors.memo import MemoisedPart
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -116,7 +116,7 @@ class FlatVectors:
 
         To find the clusters of some rows takes as long as to compare them with two hundred queries.
         """
-        main = self._main if isinstance(self._main, Remembering) else Remembering(self._main.block, self._main.kept)
+        main = self._main if isinstance(self._main, MemoisedPart) else MemoisedPart(self._main.block, self._main.kept)
         later = tuple(Part(ClusteredBlock.of(part.rows)) if _is_slow(part) else part for part in self._later)
         return FlatVectors(self.generation, main, later)
 

@@ -19,7 +19,7 @@ _HELD = 4096
 
 
 @dataclass(frozen=True)
-class Remembering(Part):
+class MemoisedPart(Part):
     """A part whose answers to single queries among all rows are held; those used least lately go first."""
 
     _remembered: Any = field(init=False, repr=False, compare=False)
@@ -37,7 +37,7 @@ class Remembering(Part):
     def without(self, owners: NDArray[np.int64]) -> Part:
         """See `Part.without`; what is left remembers nothing yet."""
         left = super().without(owners)
-        return left if left is self else Remembering(left.block, left.kept)
+        return left if left is self else MemoisedPart(left.block, left.kept)
 
     def _answer(self, query: bytes, k: int) -> Found:
         found = super().search(np.frombuffer(query, np.float32)[None], k, None)

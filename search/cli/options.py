@@ -13,8 +13,8 @@ import click
 
 if TYPE_CHECKING:
     from encoders.bundle.bundle import Bundle
-    from search.library import SearchableLibrary
-    from search.source import Source
+    from search.library import Library
+    from search.source import MotionSource
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -50,18 +50,18 @@ def filters(command: F) -> F:
     return command
 
 
-def open_library(folder: str | None) -> SearchableLibrary:
+def open_library(folder: str | None) -> Library:
     """The library a command means, open."""
     from search.cli.locate import locate
-    from search.library import SearchableLibrary
+    from search.library import Library
 
-    return SearchableLibrary.open(locate(folder))
+    return Library.open(locate(folder))
 
 
 @contextmanager
 def open_source(
     ref: str, folder: str | None, *, fps: float | None = None
-) -> Iterator[tuple[Bundle, Source, SearchableLibrary | None]]:
+) -> Iterator[tuple[Bundle, MotionSource, Library | None]]:
     """The model, the file or clip a command means, and the library; None where a file is asked about without one.
 
     Where no library is named or found from here upward, a file is asked about with the one it lies in.
@@ -85,16 +85,16 @@ def open_source(
         yield library.bundle, find_source(ref, library, fps=fps), library
 
 
-def _library_around(file: Path) -> SearchableLibrary | None:
+def _library_around(file: Path) -> Library | None:
     """The library that a file lies in, where it is one of the model at hand."""
     from encoders.errors import BundleMismatch, LibraryError
     from search.cli.locate import locate
-    from search.library import SearchableLibrary
+    from search.library import Library
 
     if not file.is_file():
         return None
     try:
-        library = SearchableLibrary.open(locate(start=file.absolute().parent))
+        library = Library.open(locate(start=file.absolute().parent))
     except LibraryError:
         return None
     try:

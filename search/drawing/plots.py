@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from search.hits import Hit
     from search.query.question import Question
-    from search.source import Source
+    from search.source import MotionSource
 
 _INK, _PALE, _LEFT, _RIGHT = "#22262e", "#8b93a1", "#d1495b", "#2e6f95"
 _LINES = ("#2e6f95", "#d1495b", "#3c8d5a", "#8a5fb0", "#c98a1b")
@@ -59,7 +59,7 @@ def plot_poses(path: Path, groups: Sequence[tuple[str, Sequence[tuple[str, Motio
 def plot_moments(
     path: Path,
     question: Question,
-    source: Source,
+    source: MotionSource,
     found: Sequence[Hit],
     times: NDArray[np.float64],
     similarity: NDArray[np.float32],

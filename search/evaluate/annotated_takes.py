@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from encoders.corpus.composition.long_takes import Happening, MarkedTake, joined_take, marked_take, unseen_take
+from encoders.corpus.composition.long_takes import AnnotatedTake, Event, annotated_take, heldout_take, joined_take
 from encoders.corpus.composition.real import CaptionedTake
 from encoders.corpus.composition.seeds import TEST
 from encoders.errors import MotionSeekError, QueryError
@@ -24,10 +24,10 @@ _LEAST, _MOST = 30.0, 120.0
 _JOINED = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 
-def composed(count: int, seed: int = TEST) -> Iterator[MarkedTake]:
+def composed(count: int, seed: int = TEST) -> Iterator[AnnotatedTake]:
     """Made takes of 30 to 120 s with exact boundaries; actions, manners, joins and seeds are held out of training."""
     rng = np.random.default_rng(seed)
-    return (unseen_take(rng, least=_LEAST, most=_MOST) for _ in range(count))
+    return (heldout_take(rng, least=_LEAST, most=_MOST) for _ in range(count))
 
 
 def labelled_clips(folder: Path) -> list[tuple[Motion, str]]:
@@ -52,7 +52,7 @@ def described_clips(takes: Sequence[CaptionedTake], longest: float = 15.0) -> li
     ]
 
 
-def joined(clips: Sequence[tuple[Motion, str]], count: int, seed: int = 0) -> Iterator[MarkedTake]:
+def joined(clips: Sequence[tuple[Motion, str]], count: int, seed: int = 0) -> Iterator[AnnotatedTake]:
     """Takes of 30 to 120 s joined from clips drawn at random; a repeated sentence is right at any of its places."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
@@ -63,20 +63,20 @@ def joined(clips: Sequence[tuple[Motion, str]], count: int, seed: int = 0) -> It
         yield joined_take(chosen)
 
 
-def captioned_moments(takes: Sequence[CaptionedTake]) -> Iterator[MarkedTake]:
+def captioned_moments(takes: Sequence[CaptionedTake]) -> Iterator[AnnotatedTake]:
     """Takes with sentences whose spans lie inside them; of a trial that lies there in several rigs, the first."""
     for take in {take.trial: take for take in reversed(takes)}.values():
         said = [
-            Happening(caption, (span.start, min(span.end, take.motion.duration)), frozenset({caption}))
+            Event(caption, (span.start, min(span.end, take.motion.duration)), frozenset({caption}))
             for span in take.spans
             for caption in span.captions
             if min(span.end, take.motion.duration) - span.start < _INSIDE * take.motion.duration
         ]
         if said:
-            yield marked_take(take.motion, said)
+            yield annotated_take(take.motion, said)
 
 
-def timed_segments(folder: Path, segments: Path) -> Iterator[MarkedTake]:
+def timed_segments(folder: Path, segments: Path) -> Iterator[AnnotatedTake]:
     """Takes of a folder with a manifest, of any split, with the labels people timed in them.
 
     `segments` is JSON, {trial: [{"start", "end", "label"}]}, in seconds. Words written together ("KneeRaise") are
@@ -95,7 +95,7 @@ def timed_segments(folder: Path, segments: Path) -> Iterator[MarkedTake]:
         rows = [row for row in labels[trial] if row["end"] <= motion.duration + 0.5]
         said = [(_JOINED.sub(" ", row["label"]).lower(), (row["start"], row["end"])) for row in rows]
         if said:
-            yield marked_take(motion, [Happening(text, span, frozenset({text})) for text, span in said])
+            yield annotated_take(motion, [Event(text, span, frozenset({text})) for text, span in said])
 
 
 def _trials(folder: Path, names: set[str]) -> Iterator[tuple[str, Motion]]:

@@ -13,7 +13,7 @@ from encoders.corpus.composition.real import CaptionedTake
 from encoders.errors import QueryError
 from encoders.metrics import ranks
 from search.query.encoding import encode_queries
-from search.ranking.hubness import nearness
+from search.ranking.hubness import hubness_penalty
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def evaluate_described(takes: Iterable[CaptionedTake], bundle: Bundle) -> Descri
     cosines = gallery[files] @ every.T
     told, by_cosine = (
         _averaged(about[scores.argmax(axis=1)] == descriptions[files], descriptions[files])
-        for scores in (cosines - nearness(bundle, every), cosines)
+        for scores in (cosines - hubness_penalty(bundle, every), cosines)
     )
     return DescribedReport(len(takes), found, told, by_cosine)
 

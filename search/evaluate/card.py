@@ -9,7 +9,7 @@ import numpy as np
 
 from encoders.bundle.bundle import Bundle
 from encoders.corpus.composition.seeds import TEST
-from encoders.corpus.composition.synthetic import Made, made_clips
+from encoders.corpus.composition.synthetic import SyntheticClip, synthetic_clips
 from encoders.features.registry import FEATURE_KINDS
 from indexer.datasets.captioned_takes import captioned_takes
 from search.evaluate.captioned_archive import evaluate_described
@@ -56,7 +56,7 @@ def card(
     count : int
         Made clips in the gallery.
     """
-    clips = list(made_clips(TEST, count, FEATURE_KINDS[bundle.feature_kind]))
+    clips = list(synthetic_clips(TEST, count, FEATURE_KINDS[bundle.feature_kind]))
     parts = [_about(bundle), *_made(clips, bundle)]
     if real is not None and captions is not None:
         parts += _real(real, captions, bundle)
@@ -81,7 +81,7 @@ def _about(bundle: Bundle) -> str:
     )
 
 
-def _made(clips: Sequence[Made], bundle: Bundle) -> list[str]:
+def _made(clips: Sequence[SyntheticClip], bundle: Bundle) -> list[str]:
     figures = evaluate_corpus(clips, bundle)
     rows = [(name, *(f"{v:.1f}" for v in row.values())) for name, row in figures.items() if "R@1" in row]
     some = bundle.encode_features([clip.features for clip in clips[:300]])

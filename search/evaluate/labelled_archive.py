@@ -16,7 +16,7 @@ from encoders.metrics import average_precision
 from encoders.motion import Motion
 from indexer.ingest.load import load_motion
 from search.query.encoding import encode_queries
-from search.ranking.hubness import nearness
+from search.ranking.hubness import hubness_penalty
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def evaluate_labels(
     similarity = encode_queries(bundle, texts) @ gallery.T
     # What is said of a motion is compared as `describe` does it: as it is, in no other phrasing.
     said = bundle.encode_texts(texts)
-    told = said @ gallery.T - nearness(bundle, said)[:, None]
+    told = said @ gallery.T - hubness_penalty(bundle, said)[:, None]
     clip_labels = np.array(names)
     precisions: dict[str, list[float]] = {}
     for row, scores in zip(asked, similarity, strict=True):

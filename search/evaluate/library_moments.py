@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle.bundle import Bundle
-from encoders.corpus.composition.long_takes import Marked, MarkedTake
+from encoders.corpus.composition.long_takes import AnnotatedTake, Marked
 from indexer.vectors.flat import FlatVectors, Found, Rows
 from search.evaluate.moment_metrics import Overlaps, best_overlaps
 from search.moments.across_clips import best_moments
 from search.moments.window_scores import Vectors
-from search.source import Source
+from search.source import MotionSource
 
 
 class Gallery:
@@ -21,15 +21,15 @@ class Gallery:
 
     def __init__(self, bundle: Bundle) -> None:
         self._bundle = bundle
-        self.takes: list[MarkedTake] = []
-        self.sources: list[Source] = []
+        self.takes: list[AnnotatedTake] = []
+        self.sources: list[MotionSource] = []
         self._asked: list[tuple[int, Marked, Vectors]] = []
         self._index: FlatVectors | None = None
 
     def __len__(self) -> int:
         return len(self.takes)
 
-    def add(self, take: MarkedTake, source: Source, queries: Vectors) -> None:
+    def add(self, take: AnnotatedTake, source: MotionSource, queries: Vectors) -> None:
         """A take with the unit vectors (Q, D) of its marked sentences."""
         self._asked += [(len(self.takes), marked, query) for marked, query in zip(take.marked, queries, strict=True)]
         self.takes.append(take)

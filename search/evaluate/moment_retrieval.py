@@ -15,26 +15,26 @@ import numpy as np
 
 from encoders.bundle.bundle import Bundle
 from encoders.bundle.windows import grid
-from encoders.corpus.composition.long_takes import MarkedTake
+from encoders.corpus.composition.long_takes import AnnotatedTake
 from search.evaluate.library_moments import Gallery
 from search.evaluate.moment_metrics import Overlaps, Spans, best_overlaps
 from search.evaluate.moments_baseline import SIZES, best_of
 from search.evaluate.sequence_questions import ask_in_order, draw_steps
 from search.evaluate.sequence_questions import figures as in_order
-from search.evaluate.window_cache import RememberingBundle
+from search.evaluate.window_cache import CachedBundle
 from search.moments.boundaries import CURVE_LENGTHS
 from search.moments.one_take import find
 from search.moments.window_scores import Vectors
 from search.query.encoding import encode_queries
 from search.query.question import Question
-from search.source import Source
+from search.source import MotionSource
 
 _ANSWERS = 10
 _ORDERED = 2  # questions in three steps for each take
 
 
 def evaluate_moments(
-    takes: Iterable[MarkedTake],
+    takes: Iterable[AnnotatedTake],
     bundle: Bundle,
     *,
     steps: bool = False,
@@ -58,12 +58,12 @@ def evaluate_moments(
         take"; and "three steps in order".
     """
     ways: dict[str, Overlaps] = defaultdict(Overlaps)
-    remembering = RememberingBundle(bundle)
+    remembering = CachedBundle(bundle)
     encoder = cast(Bundle, remembering)
     gallery, ordered, rng = Gallery(encoder), list[float](), np.random.default_rng(0)
     kept = {round(seconds * bundle.fps) for seconds in CURVE_LENGTHS}
     for number, take in enumerate(takes, start=1):
-        source = Source.of_motion(take.motion)
+        source = MotionSource.of_motion(take.motion)
         queries = encode_queries(bundle, [marked.sentence for marked in take.marked])
         _ask(ways, bundle, encoder, source, take, queries)
         if steps:
@@ -78,7 +78,12 @@ def evaluate_moments(
 
 
 def _ask(
-    ways: dict[str, Overlaps], bundle: Bundle, encoder: Bundle, source: Source, take: MarkedTake, queries: Vectors
+    ways: dict[str, Overlaps],
+    bundle: Bundle,
+    encoder: Bundle,
+    source: MotionSource,
+    take: AnnotatedTake,
+    queries: Vectors,
 ) -> None:
     """All sentences of one take, in every way."""
     windows = _grid_spans(len(source.features(encoder)), bundle.fps)

@@ -28,7 +28,7 @@ def evaluate_nonsense(bundle: Bundle, gallery: NDArray[np.float32]) -> dict[str,
     sentences = [line for line in SENTENCES.read_text(encoding="utf-8").splitlines() if line.strip()]
     queries = encode_queries(bundle, sentences)
     judged = [
-        strength.temper(bundle, [sentence], strength.judge(bundle, query, [float(np.max(gallery @ query))]))[0]
+        strength.downgrade(bundle, [sentence], strength.judge(bundle, query, [float(np.max(gallery @ query))]))[0]
         for sentence, query in zip(sentences, queries, strict=True)
     ]
     return {

@@ -8,23 +8,23 @@ import numpy as np
 from numpy.random import Generator
 
 from encoders.bundle.bundle import Bundle
-from encoders.corpus.composition.long_takes import Happening, MarkedTake
+from encoders.corpus.composition.long_takes import AnnotatedTake, Event
 from search.evaluate.moment_metrics import Spans
 from search.moments.one_take import find
 from search.query.question import Question
-from search.source import Source
+from search.source import MotionSource
 from search.spans import iou
 
 _STEPS = 3
 
 
-def draw_steps(take: MarkedTake, rng: Generator, count: int) -> list[tuple[Happening, ...]]:
+def draw_steps(take: AnnotatedTake, rng: Generator, count: int) -> list[tuple[Event, ...]]:
     """Up to `count` runs of three things that follow one another in a take."""
     firsts = rng.permutation(max(len(take.happens) - _STEPS + 1, 0))[:count]
     return [take.happens[i : i + _STEPS] for i in sorted(firsts)]
 
 
-def ask_in_order(bundle: Bundle, source: Source, take: MarkedTake, steps: tuple[Happening, ...]) -> float:
+def ask_in_order(bundle: Bundle, source: MotionSource, take: AnnotatedTake, steps: tuple[Event, ...]) -> float:
     """How well the worst of the steps found overlaps its truth, 0 to 1; 0 where the sentence is split otherwise.
 
     The sentence goes the way of every question: it is split, and its steps are found as a chain.

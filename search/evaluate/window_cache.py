@@ -12,7 +12,7 @@ from encoders.bundle.bundle import Bundle
 from search.moments.window_scores import Vectors
 
 
-class RememberingBundle:
+class CachedBundle:
     """Answers as the bundle it is made of, and remembers the vector of every window by where it lies in memory.
 
     The features of a take are one array of which all windows are slices; it is held, so that no other takes its place,

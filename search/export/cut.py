@@ -14,10 +14,12 @@ import numpy as np
 from encoders.errors import QueryError
 from encoders.motion import Motion
 from search.export import bvh_writer
-from search.source import Source
+from search.source import MotionSource
 
 
-def write_cut(source: Source, out: Path, start: float | None = None, end: float | None = None) -> tuple[int, float]:
+def write_cut(
+    source: MotionSource, out: Path, start: float | None = None, end: float | None = None
+) -> tuple[int, float]:
     """Write a motion, or its cut from `start` to `end` in seconds, in the format that the ending of `out` names.
 
     Returns

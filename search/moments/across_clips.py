@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle.bundle import Bundle
-from search.moments.localisation import Moment, sharpen, unknown, usual_level
+from search.moments.localisation import Moment, background_level, refine, unknown
 from search.moments.one_take import coarse_windows, region_of
 from search.moments.window_scores import Vectors
-from search.ranking.clip_scores import Evidence, WindowGallery, spans_in_order
+from search.ranking.clip_scores import ClipScore, WindowGallery, spans_in_order
 from search.ranking.paging import rounds
-from search.source import Source
+from search.source import MotionSource
 
 #: A clip's id and a moment of it.
 Located: TypeAlias = "tuple[int, Moment]"
@@ -28,7 +28,7 @@ _ROUND, _HELD = 10, 48
 def best_moments(
     bundle: Bundle,
     gallery: WindowGallery,
-    source_of: Callable[[int], Source],
+    source_of: Callable[[int], MotionSource],
     queries: Vectors,
     k: int,
     *,
@@ -53,7 +53,7 @@ def best_moments(
 def rank(
     bundle: Bundle,
     gallery: WindowGallery,
-    source_of: Callable[[int], Source],
+    source_of: Callable[[int], MotionSource],
     queries: Vectors,
     *,
     allowed: NDArray[np.int64] | None = None,
@@ -69,8 +69,8 @@ def rank(
 
 def _sharpened(
     bundle: Bundle,
-    source_of: Callable[[int], Source],
-    places: list[Evidence],
+    source_of: Callable[[int], MotionSource],
+    places: list[ClipScore],
     queries: Vectors,
     known: list[Located],
 ) -> list[Located]:
@@ -78,9 +78,9 @@ def _sharpened(
     found: list[Located] = []
     for clip_id in dict.fromkeys(place.clip_id for place in places):
         source = source_of(clip_id)
-        level = usual_level(bundle, coarse_windows(bundle, source, queries), queries)
+        level = background_level(bundle, coarse_windows(bundle, source, queries), queries)
         here = [Moment(p.start or 0.0, p.end or 0.0, p.score) for p in places if p.clip_id == clip_id]
-        near = sharpen(bundle, region_of(bundle, source), bundle.fps, queries, here, level)
+        near = refine(bundle, region_of(bundle, source), bundle.fps, queries, here, level)
         taken = [moment for clip, moment in known if clip == clip_id]
         found += [(clip_id, moment) for moment in unknown(near, taken)]
     return found

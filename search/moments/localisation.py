@@ -16,7 +16,7 @@ from search.ranking.paging import rounds
 from search.spans import best_first, iou
 
 #: Answers overlap by at most this intersection over union.
-OVERLAP = 0.3
+LARGEST_OVERLAP = 0.3
 #: Places looked at closely in a round.
 _ROUND = 30
 #: What doubling a window's length is worth in cosine, when places are proposed and when answers are ranked: a window
@@ -66,11 +66,11 @@ def fitness(scores: NDArray[np.floating], seconds: NDArray[np.floating]) -> NDAr
 def propose(coarse: Scored) -> Iterator[Moment]:
     """Places worth a close look: the windows that overlap no better one, best first."""
     scores = coarse.scores.min(axis=0)
-    for i in best_first(coarse.starts, coarse.ends, fitness(scores, coarse.lengths), overlap=OVERLAP):
+    for i in best_first(coarse.starts, coarse.ends, fitness(scores, coarse.lengths), overlap=LARGEST_OVERLAP):
         yield Moment(float(coarse.starts[i]), float(coarse.ends[i]), float(scores[i]))
 
 
-def usual_level(encoder: Encoder, coarse: Sequence[Scored], queries: Vectors) -> float:
+def background_level(encoder: Encoder, coarse: Sequence[Scored], queries: Vectors) -> float:
     """What motion that does not fit scores: the median of the take or that of unrelated motion, whichever is lower.
 
     The take's own would mislead where one action fills it.
@@ -82,7 +82,7 @@ def usual_level(encoder: Encoder, coarse: Sequence[Scored], queries: Vectors) ->
     return min(level, float(np.median(unrelated.min(axis=1))))
 
 
-def sharpen(
+def refine(
     encoder: Encoder, region: Region, fps: float, queries: Vectors, places: Sequence[Moment], level: float
 ) -> list[Moment]:
     """The moments near proposed places, best first.
@@ -96,20 +96,20 @@ def sharpen(
     queries : float32 array (Q, D)
         Unit vectors.
     level : float
-        See `usual_level`.
+        See `background_level`.
     """
     found: list[Moment] = []
     for start, end, inside in _stretches(places, REACH):
         found += _grown(encoder, region, fps, queries, level, start, end, inside)
     starts, ends, scores = (np.array([getattr(m, name) for m in found]) for name in ("start", "end", "score"))
     value = scores + _ANSWER_BONUS * np.log2(np.maximum(ends - starts, 0.1))
-    return [found[i] for i in best_first(starts, ends, value, overlap=OVERLAP)]
+    return [found[i] for i in best_first(starts, ends, value, overlap=LARGEST_OVERLAP)]
 
 
 def rank(
     encoder: Encoder, region: Region, fps: float, queries: Vectors, coarse: Scored, level: float
 ) -> Iterator[Moment]:
-    """The moments of a take, best first within each round of places; see `sharpen`.
+    """The moments of a take, best first within each round of places; see `refine`.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def rank(
     """
     known: list[Moment] = []
     for places in rounds(propose(coarse), _ROUND):
-        found = unknown(sharpen(encoder, region, fps, queries, places, level), known)
+        found = unknown(refine(encoder, region, fps, queries, places, level), known)
         known += found
         yield from found
 
@@ -126,7 +126,7 @@ def rank(
 def unknown(found: Sequence[Moment], known: Sequence[Moment]) -> list[Moment]:
     """The moments that overlap none of those known."""
     starts, ends = [m.start for m in known], [m.end for m in known]
-    return [m for m in found if iou(starts, ends, m.start, m.end).max(initial=0.0) <= OVERLAP]
+    return [m for m in found if iou(starts, ends, m.start, m.end).max(initial=0.0) <= LARGEST_OVERLAP]
 
 
 def localise(
@@ -154,7 +154,7 @@ def localise(
         The take's coarse windows compared with the queries, where a library has them.
     """
     coarse = coarse or score_take(encoder, features, fps, queries)
-    level = usual_level(encoder, coarse, queries)
+    level = background_level(encoder, coarse, queries)
     ranked = rank(encoder, lambda start, end: (features, 0.0), fps, queries, join(coarse), level)
     return list(islice(ranked, k))
 

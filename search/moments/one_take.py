@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 
 from encoders.bundle.bundle import Bundle
 from encoders.bundle.windows import LENGTHS as STORED_LENGTHS
-from encoders.bundle.windows import OVERLAP
+from encoders.bundle.windows import WINDOWS_A_LENGTH
 from encoders.motion import Motion
 from indexer.store.clips import Caption
 from search.hits import Hit, Hits, Step
 from search.moments.boundaries import frame_curve
-from search.moments.localisation import Moment, Region, rank, score_stored, usual_level
-from search.moments.sequences import best_chain, candidates, sharpen_chain, whole
+from search.moments.localisation import Moment, Region, background_level, rank, score_stored
+from search.moments.sequences import best_chain, candidates, refine_chain, whole
 from search.moments.window_scores import Scored, Vectors, curve, join
 from search.query.question import Question
 from search.query.vocabulary import vocabulary
-from search.ranking.hubness import nearness
-from search.ranking.strength import judge, temper
-from search.source import Source
+from search.ranking.hubness import hubness_penalty
+from search.ranking.strength import downgrade, judge
+from search.source import MotionSource
 
 Found = tuple[Moment, tuple[Step, ...]]
 
@@ -36,41 +36,43 @@ _GRID = 1.0
 _COMPARED = 1000
 
 
-def moments_in(bundle: Bundle, source: Source, question: Question, k: int) -> list[Hit]:
+def moments_in(bundle: Bundle, source: MotionSource, question: Question, k: int) -> list[Hit]:
     """The best moments of one motion, best first."""
     queries = question.encode(bundle)
     found = find(bundle, source, question, queries, k)
     strengths = judge(bundle, queries.mean(axis=0), [moment.height for moment, _ in found])
-    strengths = temper(bundle, question.sentences, strengths)
+    strengths = downgrade(bundle, question.sentences, strengths)
     return Hits(
         hit(rank, source, moment, strength, steps)
         for rank, ((moment, steps), strength) in enumerate(zip(found, strengths, strict=True), start=1)
     )
 
 
-def find(bundle: Bundle, source: Source, question: Question, queries: Vectors, k: int) -> list[Found]:
+def find(bundle: Bundle, source: MotionSource, question: Question, queries: Vectors, k: int) -> list[Found]:
     """Spans of one motion that answer a question whose sentences are unit vectors (S, D), with their steps."""
     coarse, region = coarse_windows(bundle, source, queries), region_of(bundle, source)
     if question.how != "then":
-        level = usual_level(bundle, coarse, queries)
+        level = background_level(bundle, coarse, queries)
         ranked = rank(bundle, region, bundle.fps, queries, join(coarse), level)
         return [(moment, ()) for moment in islice(ranked, k)]
     is_long = source.duration > LONG
     chain = best_chain(join(coarse) if is_long else candidates(bundle, source.features(bundle), bundle.fps, queries))
     if not chain:
         return []
-    levels = [usual_level(bundle, score_stored(source.windows(bundle), query[None]), query[None]) for query in queries]
-    chain = sharpen_chain(bundle, region, bundle.fps, queries, chain, levels)
+    levels = [
+        background_level(bundle, score_stored(source.windows(bundle), query[None]), query[None]) for query in queries
+    ]
+    chain = refine_chain(bundle, region, bundle.fps, queries, chain, levels)
     steps = tuple(Step(text, m.start, m.end, m.score) for text, m in zip(question.sentences, chain, strict=True))
     return [(whole(chain), steps)]
 
 
-def coarse_windows(bundle: Bundle, source: Source, queries: Vectors) -> list[Scored]:
+def coarse_windows(bundle: Bundle, source: MotionSource, queries: Vectors) -> list[Scored]:
     """The windows of a motion that a library holds, or would hold, compared with queries (Q, D)."""
     return score_stored(source.windows(bundle), queries)
 
 
-def region_of(bundle: Bundle, source: Source) -> Region:
+def region_of(bundle: Bundle, source: MotionSource) -> Region:
     """Features of parts of a motion; of a long clip of a library only what is asked for is read."""
     if source.stored and source.duration > LONG:
 
@@ -83,7 +85,7 @@ def region_of(bundle: Bundle, source: Source) -> Region:
     return lambda start, end: (features, 0.0)
 
 
-def hit(rank: int, source: Source, moment: Moment, strength: str, steps: tuple[Step, ...] = ()) -> Hit:
+def hit(rank: int, source: MotionSource, moment: Moment, strength: str, steps: tuple[Step, ...] = ()) -> Hit:
     """A span of a motion as an answer."""
     duration = source.duration
     end = min(moment.end, duration)
@@ -97,7 +99,7 @@ def hit(rank: int, source: Source, moment: Moment, strength: str, steps: tuple[S
     )
 
 
-def curves(bundle: Bundle, source: Source, queries: Vectors) -> tuple[NDArray[np.float64], Vectors]:
+def curves(bundle: Bundle, source: MotionSource, queries: Vectors) -> tuple[NDArray[np.float64], Vectors]:
     """Similarity over time, as moments are found by it; of a long motion, that of the shortest stored windows.
 
     Parameters
@@ -111,7 +113,7 @@ def curves(bundle: Bundle, source: Source, queries: Vectors) -> tuple[NDArray[np
     similarity : float32 array (Q, T)
     """
     if source.duration > LONG:
-        times = np.arange(0, source.duration, STORED_LENGTHS[0] / OVERLAP, dtype=np.float64)
+        times = np.arange(0, source.duration, STORED_LENGTHS[0] / WINDOWS_A_LENGTH, dtype=np.float64)
         return times, curve(coarse_windows(bundle, source, queries)[0], times)
     similarity = frame_curve(bundle, source.features(bundle), bundle.fps, queries)
     times = (np.arange(similarity.shape[1], dtype=np.float64) + 0.5) / bundle.fps
@@ -142,7 +144,7 @@ def describe_motion(
         words, sentences = (*texts, *words), np.concatenate([vectors, sentences])
     cosines = sentences @ motion_vector
     near = np.argsort(-cosines, kind="stable")[: max(_COMPARED, 10 * k)]
-    scores = cosines[near] - nearness(bundle, sentences[near])
+    scores = cosines[near] - hubness_penalty(bundle, sentences[near])
     best: dict[str, float] = {}
     for i in np.argsort(-scores, kind="stable"):
         best.setdefault(words[near[i]], float(scores[i]))

@@ -55,7 +55,7 @@ def best_chain(windows: Scored) -> list[Moment]:
     ]
 
 
-def sharpen_chain(
+def refine_chain(
     encoder: Encoder, region: Region, fps: float, queries: Vectors, chain: Sequence[Moment], levels: Sequence[float]
 ) -> list[Moment]:
     """The chain with its boundaries where similarity over time rises and falls, still in order.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle.bundle import Bundle
-from search.query.paraphrases import phrasings
+from search.query.paraphrases import paraphrases
 
 
 def encode_queries(bundle: Bundle, sentences: Sequence[str]) -> NDArray[np.float32]:
@@ -23,7 +23,7 @@ def encode_queries(bundle: Bundle, sentences: Sequence[str]) -> NDArray[np.float
     -------
     float32 array (Q, D)
     """
-    worded = [phrasings(sentence) for sentence in sentences]
+    worded = [paraphrases(sentence) for sentence in sentences]
     vectors = bundle.encode_texts([phrase for group in worded for phrase in group])
     starts = np.cumsum([0] + [len(group) for group in worded[:-1]])
     means = np.add.reduceat(vectors, starts, axis=0)

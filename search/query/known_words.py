@@ -26,7 +26,7 @@ def lexicon(sentences: Iterable[str]) -> Words:
     return np.array(sorted({word for sentence in sentences for word in _words(sentence)}), dtype=np.str_)
 
 
-def foreign_share(sentence: str, known: Words) -> float:
+def out_of_vocabulary_share(sentence: str, known: Words) -> float:
     """Which part of a sentence's words, 0 to 1, is in no form among those known (W,), sorted; 1 if it has no words."""
     words = [word for word in _words(sentence) if word not in _EMPTY]
     return float(np.mean([not _is_known(word, known) for word in words])) if words else 1.0

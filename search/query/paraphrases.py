@@ -56,7 +56,7 @@ def _reworded(bare: str) -> list[str]:
     ]
 
 
-def phrasings(sentence: str) -> list[str]:
+def paraphrases(sentence: str) -> list[str]:
     """Up to three wordings of a query, the query itself first.
 
     Only the first verb changes, so of "walks, then waves" the part that follows may disagree in form; the model does

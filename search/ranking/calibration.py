@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from encoders.bundle.bundle import Bundle
 from encoders.corpus.composition.real import CaptionedTake
-from encoders.corpus.composition.synthetic import Made, true_of
+from encoders.corpus.composition.synthetic import SyntheticClip, true_of
 from search.query.encoding import encode_queries
 from search.query.known_words import lexicon
 from search.query.vocabulary import vocabulary
@@ -20,8 +20,8 @@ _HITS = 10
 
 def calibrate(
     bundle: Bundle,
-    background: Sequence[Made],
-    asked: Sequence[Made],
+    background: Sequence[SyntheticClip],
+    asked: Sequence[SyntheticClip],
     unrelated: Sequence[str],
     takes: Sequence[CaptionedTake] = (),
 ) -> dict[str, NDArray[np.generic]]:
@@ -46,7 +46,7 @@ def calibrate(
     motions = bundle.encode_features([clip.features[: bundle.max_frames] for clip in background]).astype(np.float16)
     gallery = bundle.encode_features([clip.features[: bundle.max_frames] for clip in asked])
     sentences = encode_queries(bundle, [clip.captions[0] for clip in asked])
-    trusted = [sentence for sentence in unrelated if not strength.is_doubtful(sentence, words)]
+    trusted = [sentence for sentence in unrelated if not strength.is_out_of_vocabulary(sentence, words)]
     nothing = encode_queries(bundle, trusted) if trusted else sentences[:0]
     evidence, truth = _top_hits(
         np.concatenate([sentences, nothing]),

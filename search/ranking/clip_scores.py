@@ -10,8 +10,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from indexer.store.stored_library import Library
-from search.moments.localisation import OVERLAP, fitness
+from indexer.store.stored_library import StoredLibrary
+from search.moments.localisation import LARGEST_OVERLAP, fitness
 from search.spans import best_first, iou
 
 Vectors = NDArray[np.float32]
@@ -43,7 +43,7 @@ class WindowGallery(Protocol):
 
 
 @dataclass(frozen=True)
-class Evidence:
+class ClipScore:
     """The best score of a clip and the span it comes from, in seconds; no span for the whole clip."""
 
     clip_id: int
@@ -52,21 +52,21 @@ class Evidence:
     end: float | None = None
 
 
-def best_evidence(
-    library: Library,
+def best_clips(
+    library: StoredLibrary,
     query: Vectors,
     k: int,
     *,
     allowed: NDArray[np.int64] | None = None,
     windows: bool = True,
-) -> list[Evidence]:
-    """The first k, at most, of `evidence_in_order`."""
-    return list(islice(evidence_in_order(library, query, allowed=allowed, windows=windows), k))
+) -> list[ClipScore]:
+    """The first k, at most, of `clips_in_order`."""
+    return list(islice(clips_in_order(library, query, allowed=allowed, windows=windows), k))
 
 
-def evidence_in_order(
-    library: Library, query: Vectors, *, allowed: NDArray[np.int64] | None = None, windows: bool = True
-) -> Iterator[Evidence]:
+def clips_in_order(
+    library: StoredLibrary, query: Vectors, *, allowed: NDArray[np.int64] | None = None, windows: bool = True
+) -> Iterator[ClipScore]:
     """The best evidence of every clip for a unit vector (D,), best first, as long as one asks.
 
     A clip is given once nothing that has not been fetched could come before it or say more for it (the threshold
@@ -101,28 +101,30 @@ def evidence_in_order(
 
 
 def _wholes(
-    library: Library, query: Vectors, count: int, allowed: NDArray[np.int64] | None
-) -> tuple[dict[int, Evidence], float]:
+    library: StoredLibrary, query: Vectors, count: int, allowed: NDArray[np.int64] | None
+) -> tuple[dict[int, ClipScore], float]:
     """The clips nearest as wholes, and what no other one scores more than."""
     scores, ids = (a[0] for a in library.nearest_clips(query[None], count, allowed=allowed))
     named = zip(ids.tolist(), scores.tolist(), strict=True)
-    return {i: Evidence(i, score) for i, score in named if i >= 0}, float(scores[-1])
+    return {i: ClipScore(i, score) for i, score in named if i >= 0}, float(scores[-1])
 
 
 def _best_windows(
-    library: Library, query: Vectors, count: int, allowed: NDArray[np.int64] | None
-) -> tuple[list[Evidence], float]:
+    library: StoredLibrary, query: Vectors, count: int, allowed: NDArray[np.int64] | None
+) -> tuple[list[ClipScore], float]:
     """The best window of each clip among the nearest ones, and what no other window scores more than.
 
     Where as many are fetched as ever are, the others have no say.
     """
     scores, ids, starts, ends = (a[0] for a in library.nearest_windows(query[None], count, allowed=allowed))
     _, first = np.unique(ids, return_index=True)
-    best = [Evidence(int(ids[i]), float(scores[i]), float(starts[i]), float(ends[i])) for i in np.sort(first)]
+    best = [ClipScore(int(ids[i]), float(scores[i]), float(starts[i]), float(ends[i])) for i in np.sort(first)]
     return [e for e in best if e.clip_id >= 0], float(scores[-1]) if count < _MOST_WINDOWS else -np.inf
 
 
-def likeliest(library: Library, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None) -> list[int]:
+def likeliest(
+    library: StoredLibrary, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
+) -> list[int]:
     """The k clips most likely to hold an answer to all queries (Q, D): by the sum of their best windows."""
     if k < 1 or len(library) == 0 or (allowed is not None and len(allowed) == 0):
         return []
@@ -136,7 +138,7 @@ def likeliest(library: Library, queries: Vectors, k: int, *, allowed: NDArray[np
 
 
 def likeliest_in_order(
-    library: Library, queries: Vectors, *, allowed: NDArray[np.int64] | None = None
+    library: StoredLibrary, queries: Vectors, *, allowed: NDArray[np.int64] | None = None
 ) -> Iterator[int]:
     """The clips of `likeliest`, as many as are asked for, in an order that does not depend on how many."""
     given: set[int] = set()
@@ -152,7 +154,7 @@ def likeliest_in_order(
 
 def spans_in_order(
     gallery: WindowGallery, query: Vectors, *, allowed: NDArray[np.int64] | None = None
-) -> Iterator[Evidence]:
+) -> Iterator[ClipScore]:
     """The best windows of all clips for a unit vector (D,) of which no two overlap, best first, as long as one asks.
 
     The best of few fetched windows come first, then what more fetched ones add: the order does not depend on how many
@@ -160,7 +162,7 @@ def spans_in_order(
     """
     if len(gallery) == 0 or (allowed is not None and len(allowed) == 0):
         return
-    given: list[Evidence] = []
+    given: list[ClipScore] = []
     count = _FIRST_WINDOWS
     while True:
         scores, ids, starts, ends = (a[0] for a in gallery.nearest_windows(query[None], count, allowed=allowed))
@@ -175,14 +177,14 @@ def spans_in_order(
 
 def best_spans(
     gallery: WindowGallery, query: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
-) -> list[Evidence]:
+) -> list[ClipScore]:
     """The first k, at most, of `spans_in_order`."""
     return list(islice(spans_in_order(gallery, query, allowed=allowed), k))
 
 
 def _apart(
-    scores: Vectors, ids: NDArray[np.int64], starts: Vectors, ends: Vectors, given: list[Evidence]
-) -> Iterator[Evidence]:
+    scores: Vectors, ids: NDArray[np.int64], starts: Vectors, ends: Vectors, given: list[ClipScore]
+) -> Iterator[ClipScore]:
     """The windows that overlap none of those given and no better one, best first."""
     # One time line for all clips, far enough apart that spans of different clips never overlap.
     length = float(max([ends.max(initial=0.0), *(e.end or 0.0 for e in given)])) + 1.0
@@ -191,14 +193,14 @@ def _apart(
     free = np.ones(len(ids), bool)
     for e in given:
         shift = e.clip_id * length
-        free &= iou(begin, end, (e.start or 0.0) + shift, (e.end or 0.0) + shift) <= OVERLAP
+        free &= iou(begin, end, (e.start or 0.0) + shift, (e.end or 0.0) + shift) <= LARGEST_OVERLAP
     left = np.flatnonzero(free)
     value = fitness(scores[left], (ends - starts)[left])
-    for i in map(left.__getitem__, best_first(begin[left], end[left], value, overlap=OVERLAP)):
-        yield Evidence(int(ids[i]), float(scores[i]), float(starts[i]), float(ends[i]))
+    for i in map(left.__getitem__, best_first(begin[left], end[left], value, overlap=LARGEST_OVERLAP)):
+        yield ClipScore(int(ids[i]), float(scores[i]), float(starts[i]), float(ends[i]))
 
 
-def _windows_of(library: Library, query: Vectors, k: int, allowed: NDArray[np.int64] | None) -> list[Evidence]:
+def _windows_of(library: StoredLibrary, query: Vectors, k: int, allowed: NDArray[np.int64] | None) -> list[ClipScore]:
     """The best window of each of at least k clips, fewer only where there are no more."""
     count = _PER_CLIP * k
     while True:

@@ -17,7 +17,7 @@ from encoders.bundle.bundle import Bundle
 _NEAREST, _SHARE = 30, 0.35
 
 
-def nearness(bundle: Bundle, sentences: ArrayLike) -> NDArray[np.float32]:
+def hubness_penalty(bundle: Bundle, sentences: ArrayLike) -> NDArray[np.float32]:
     """What to take from the scores of sentences (N, D): (N,), zero where the bundle carries no unrelated motions."""
     vectors = np.asarray(sentences, np.float32)
     if bundle.calibration is None:

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from encoders.bundle.bundle import Bundle
 from search.hits import Hit, Hits
-from search.query.known_words import Words, foreign_share
+from search.query.known_words import Words, out_of_vocabulary_share
 
 STRONG, PLAUSIBLE, WEAK = "strong", "plausible", "weak"
 
@@ -83,25 +83,25 @@ def judge(bundle: Bundle, query: ArrayLike, scores: ArrayLike, *, asked: str = "
     return [STRONG if p >= _STRONG_FROM else PLAUSIBLE if p >= _PLAUSIBLE_FROM else WEAK for p in right]
 
 
-def is_doubtful(sentence: str, words: Words) -> bool:
+def is_out_of_vocabulary(sentence: str, words: Words) -> bool:
     """Whether half of a sentence or more is foreign to the sorted words (W,) in which motion is described."""
-    return foreign_share(sentence, words) >= _FOREIGN
+    return out_of_vocabulary_share(sentence, words) >= _FOREIGN
 
 
-def temper(bundle: Bundle, sentences: Sequence[str], strengths: Sequence[str]) -> list[str]:
+def downgrade(bundle: Bundle, sentences: Sequence[str], strengths: Sequence[str]) -> list[str]:
     """Strengths of answers to sentences, each a degree less where one of these is doubtful.
 
     A bundle whose calibration holds no "words" doubts nothing.
     """
     words = (bundle.calibration or {}).get("words")
-    if words is None or not any(is_doubtful(sentence, words) for sentence in sentences):
+    if words is None or not any(is_out_of_vocabulary(sentence, words) for sentence in sentences):
         return list(strengths)
     return [_LESS.get(strength, strength) for strength in strengths]
 
 
-def temper_hits(bundle: Bundle, sentences: Sequence[str], hits: Sequence[Hit]) -> Hits:
-    """Hits with strengths as `temper` has them."""
-    tempered = temper(bundle, sentences, [hit.strength for hit in hits])
+def downgrade_hits(bundle: Bundle, sentences: Sequence[str], hits: Sequence[Hit]) -> Hits:
+    """Hits with strengths as `downgrade` has them."""
+    tempered = downgrade(bundle, sentences, [hit.strength for hit in hits])
     return Hits(replace(hit, strength=strength) for hit, strength in zip(hits, tempered, strict=True))
 
 

@@ -36,7 +36,7 @@ class Grounds:
     floor: float
 
 
-class StandingAnswers:
+class AnswerCache:
     """Finished answers of one generation of a library, at most `size`; the least used go first. Thread-safe."""
 
     def __init__(self, generation: int, size: int = 4096) -> None:

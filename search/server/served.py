@@ -21,12 +21,12 @@ from indexer.store.clips import Caption, Clip
 from indexer.vectors.flat import FlatVectors
 from indexer.vectors.sync import CLIPS, WINDOWS
 from search.hits import Hit
-from search.library import Ref, SearchableLibrary
+from search.library import Library, Ref
 from search.query.encoding import encode_queries
 from search.query.question import Question
-from search.server.answer_cache import Grounds, StandingAnswers
+from search.server.answer_cache import AnswerCache, Grounds
 from search.server.cache import Cache
-from search.source import Source
+from search.source import MotionSource
 
 Ids = NDArray[np.int64]
 Vectors = NDArray[np.float32]
@@ -69,8 +69,8 @@ class Search:
     filters: tuple[tuple[str, Any], ...] = ()
 
 
-class ServedLibrary(SearchableLibrary):
-    """A `SearchableLibrary` for a server. Safe to share between threads."""
+class ServedLibrary(Library):
+    """A `Library` for a server. Safe to share between threads."""
 
     def __init__(self, folder: Path, *, bundle: Bundle | None = None) -> None:
         super().__init__(folder, bundle=bundle)
@@ -80,7 +80,7 @@ class ServedLibrary(SearchableLibrary):
         self._held_clips: Cache[Clip] = Cache(20_000)
         self._held_captions: Cache[list[Caption]] = Cache(20_000)
         self._snapshot = self._look()
-        self.standing = StandingAnswers(self._snapshot.generation)
+        self.standing = AnswerCache(self._snapshot.generation)
         self._refreshing = threading.Lock()
         self._stop = threading.Event()
         self._watcher = threading.Thread(target=self._watch, daemon=True, name="watching the library")
@@ -196,9 +196,9 @@ class ServedLibrary(SearchableLibrary):
         key = (self.snapshot.said, int(id))
         return self._held_captions.get_or(key, lambda: super(ServedLibrary, self).captions(id))
 
-    def source(self, ref: Ref | Source) -> Source:
-        """See `SearchableLibrary.source`; a source is itself."""
-        return ref if isinstance(ref, Source) else super().source(ref)
+    def source(self, ref: Ref | MotionSource) -> MotionSource:
+        """See `Library.source`; a source is itself."""
+        return ref if isinstance(ref, MotionSource) else super().source(ref)
 
     def knows(self, sentence: str) -> bool:
         """Whether a sentence's query vector is at hand."""

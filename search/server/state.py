@@ -20,7 +20,7 @@ from search.server.prometheus import Metrics
 from search.server.request_batches import Batcher, Overloaded
 from search.server.served import Search, ServedLibrary
 from search.server.uploads import Limits, Upload, Uploads
-from search.source import Source
+from search.source import MotionSource
 
 Value = TypeVar("Value")
 
@@ -102,12 +102,12 @@ class State:
             raise Refused(404, said)
         return found
 
-    def source(self, ref: str) -> Source:
+    def source(self, ref: str) -> MotionSource:
         """The motion that is meant, with what is known of it; see `clip`."""
         found = self.clip(ref)
         if isinstance(found, Upload):
             return found.source
-        source = Source.of_clip(self.library, found)
+        source = MotionSource.of_clip(self.library, found)
         # A link that now leads out of the indexed folder is not followed.
         inside = found.file.resolve().is_relative_to(found.root)
         return source if inside else dataclasses.replace(source, file=None)

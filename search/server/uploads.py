@@ -20,7 +20,7 @@ from indexer.formats.table import READABLE
 from indexer.ingest import pool
 from search.server.error_responses import BUSY, Refused
 from search.server.upload_reading import READ
-from search.source import Source
+from search.source import MotionSource
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Upload:
     """An uploaded motion, what it is called from then on, and its kind of file and skeleton."""
 
     key: str
-    source: Source
+    source: MotionSource
     format: str
     rig: str
 
@@ -125,7 +125,7 @@ class Uploads:
         _, read = next(iter(pool.read_all([request], 1, patience=self._limits.patience, target=READ)))
         if read.motion is None:
             raise Refused(422, f"{name}: {read.reason}")
-        source = Source.of_motion(read.motion, name)
+        source = MotionSource.of_motion(read.motion, name)
         upload = Upload(f"u{secrets.token_hex(16)}", source, path.suffix.removeprefix("."), read.rig)
         self._keep(upload)
         return upload

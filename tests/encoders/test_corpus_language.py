@@ -16,15 +16,15 @@ from encoders.corpus.language.clause import choose_phrase, fill
 from encoders.corpus.language.lexicon import entries, entry_of
 from encoders.corpus.language.measure import coverage, phrasings_of_actions
 from encoders.corpus.language.subjects import Subject
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.scene import ActionStep, Scene
 from encoders.english import gerund, past, third_person
-from search.query.paraphrases import phrasings
+from search.query.paraphrases import paraphrases
 
 COMMON = "walk run wave bow sit_down punch kick throw clap point guide turn jump".split()
 
 
 def one(action: str, **fields: object) -> Scene:
-    return Scene(((Step(action, **fields),),))  # type: ignore[arg-type]
+    return Scene(((ActionStep(action, **fields),),))  # type: ignore[arg-type]
 
 
 def many(scene: Scene, count: int = 300) -> list[str]:
@@ -48,7 +48,7 @@ def test_every_phrase_can_be_said_of_every_legal_step() -> None:
     for name, program in programs().items():
         for side in ("", *program.sides):
             for direction in ("", *program.directions):
-                step = Step(name, side=side, direction=direction)
+                step = ActionStep(name, side=side, direction=direction)
                 phrase = choose_phrase(step, "verbs", rng)
                 assert phrase is not None, step
                 assert "{" not in fill(phrase.text, step, person, rng)
@@ -60,7 +60,7 @@ def test_phrases_use_no_unknown_slot() -> None:
     for entry in entries().values():
         for kind in ("verbs", "nouns", "parts", "as_if"):
             for phrase in entry.phrases(kind):
-                step = Step(entry.action, side="left", direction="left", count=2)
+                step = ActionStep(entry.action, side="left", direction="left", count=2)
                 assert "{" not in fill(phrase.text, step, person, rng)
 
 
@@ -97,7 +97,7 @@ def test_what_a_caption_says_is_part_of_the_scene() -> None:
 
 
 def test_captions_keep_the_order_of_steps() -> None:
-    scene = Scene(((Step("clap"),), (Step("cartwheel"),)))
+    scene = Scene(((ActionStep("clap"),), (ActionStep("cartwheel"),)))
     for text in many(scene):
         clap, wheel = text.find("clap"), text.find("cartwheel")
         if clap >= 0 and wheel >= 0:
@@ -184,7 +184,7 @@ def test_our_own_plain_captions_are_mostly_read() -> None:
 
 
 def test_swaps_differ_in_one_thing_and_stay_legal() -> None:
-    scene = Scene(((Step("wave", side="left", count=3),), (Step("turn", direction="right"),)))
+    scene = Scene(((ActionStep("wave", side="left", count=3),), (ActionStep("turn", direction="right"),)))
     found = {str(other) for other in swaps(scene)}
     assert "turn, right; then wave, left, 3 times" in found
     assert "wave, right, 3 times; then turn, right" in found
@@ -203,16 +203,16 @@ def test_verb_forms() -> None:
 
 
 def test_a_query_comes_first_among_its_wordings() -> None:
-    words = phrasings("A person walks backwards.")
+    words = paraphrases("A person walks backwards.")
     assert words[0] == "A person walks backwards."
     assert "walking backwards" in words
     assert len(words) == 3
-    assert "a person turns right" in phrasings("turn right")
+    assert "a person turns right" in paraphrases("turn right")
 
 
 @pytest.mark.parametrize("query", ["", "   ", "Rechnung für März", "歩く", "0x3f", "a " * 500])
 def test_any_query_can_be_worded(query: str) -> None:
-    assert phrasings(query)[0] == query
+    assert paraphrases(query)[0] == query
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from encoders.corpus.engine.joining import join
 from encoders.corpus.engine.posing import OFFSETS, pose, random_geometry
 from encoders.corpus.engine.style import NEUTRAL, STYLES, Manner, apply_manner
 from encoders.corpus.engine.style_variants import OTHER_WAYS
-from encoders.corpus.scene import Clip, Scene, Step
+from encoders.corpus.scene import ActionStep, Scene, SceneClip
 from encoders.motion import Motion
 from encoders.skeleton import INDEX, PARENTS
 
@@ -25,21 +25,21 @@ OWN = sorted(n for n, p in PROGRAMS.items() if p.make.__module__.rpartition(".")
     "jumps", "climbing", "posture", "bending", "floor", "acrobatics"})  # fmt: skip
 
 
-def plain(*groups: Step | tuple[Step, ...], seed: int = 0) -> Clip:
+def plain(*groups: ActionStep | tuple[ActionStep, ...], seed: int = 0) -> SceneClip:
     scene = Scene(tuple(g if isinstance(g, tuple) else (g,) for g in groups))
     return make_clip(scene, np.random.default_rng(seed), variation=0.0)
 
 
-def act(step: Step, seed: int = 0, frames: int = 0) -> Curves:
+def act(step: ActionStep, seed: int = 0, frames: int = 0) -> Curves:
     return PROGRAMS[step.action].make(step, NEUTRAL, np.random.default_rng(seed), frames)
 
 
-def joint(clip: Clip, name: str) -> np.ndarray:
+def joint(clip: SceneClip, name: str) -> np.ndarray:
     return clip.joints[:, INDEX[name]].astype(np.float64)
 
 
 def test_the_same_seed_makes_the_same_clip() -> None:
-    scene = Scene(((Step("walk"), Step("wave", side="left")), (Step("sit down"),)))
+    scene = Scene(((ActionStep("walk"), ActionStep("wave", side="left")), (ActionStep("sit down"),)))
     first, second, other = (make_clip(scene, np.random.default_rng(seed)) for seed in (3, 3, 4))
     np.testing.assert_array_equal(first.joints, second.joints)
     assert first.spans == second.spans
@@ -71,14 +71,14 @@ def test_there_are_many_programs_with_the_particulars_they_honour() -> None:
 
 def test_bones_keep_their_lengths() -> None:
     rng = np.random.default_rng(0)
-    curves = act_scene(Scene(((Step("run"),), (Step("squat", count=2),))), rng)
+    curves = act_scene(Scene(((ActionStep("run"),), (ActionStep("squat", count=2),))), rng)
     joints = pose(curves, random_geometry(rng))
     bones = np.linalg.norm(joints[:, 1:] - joints[:, PARENTS[1:]], axis=-1)
     np.testing.assert_allclose(bones, np.broadcast_to(bones[0], bones.shape), atol=1e-9)
 
 
 def test_knees_bend_forward_and_elbows_back() -> None:
-    clip = plain(Step("walk", direction="forward"))
+    clip = plain(ActionStep("walk", direction="forward"))
     for side in ("left", "right"):
         hip, knee, ankle = (joint(clip, f"{side}_{n}") for n in ("hip", "knee", "ankle"))
         assert ((knee - (hip + ankle) / 2)[:, 2] > -0.01).all()
@@ -86,11 +86,20 @@ def test_knees_bend_forward_and_elbows_back() -> None:
         assert ((elbow - (shoulder + wrist) / 2)[:, 2] < 0.02).mean() > 0.95
 
 
-@pytest.mark.parametrize("step", [
-    Step("walk", direction="forward"), Step("walk", direction="clockwise"), Step("walk", direction="backward"),
-    Step("turn", direction="left"), Step("sidestep", direction="left"), Step("squat", count=2), Step("march"),
-], ids=str)  # fmt: skip
-def test_feet_do_not_slide_in_stance(step: Step) -> None:
+@pytest.mark.parametrize(
+    "step",
+    [
+        ActionStep("walk", direction="forward"),
+        ActionStep("walk", direction="clockwise"),
+        ActionStep("walk", direction="backward"),
+        ActionStep("turn", direction="left"),
+        ActionStep("sidestep", direction="left"),
+        ActionStep("squat", count=2),
+        ActionStep("march"),
+    ],
+    ids=str,
+)
+def test_feet_do_not_slide_in_stance(step: ActionStep) -> None:
     curves = act(step)
     flat = (np.abs(curves.feet[..., 1] - ANKLE) < 1e-3) & (np.abs(curves.foot_pitch) < 1e-3)
     stands = flat[1:] & flat[:-1]
@@ -108,29 +117,29 @@ def test_feet_do_not_slide_in_stance(step: Step) -> None:
 ])  # fmt: skip
 def test_walking_goes_where_the_step_says_left_being_plus_x(direction: str, toward: tuple[int, int]) -> None:
     for seed in range(6):
-        curves = act(Step("walk", direction=direction), seed, 100)
+        curves = act(ActionStep("walk", direction=direction), seed, 100)
         way = curves.root[-1, [0, 2]] - curves.root[0, [0, 2]]
         for axis in (0, 1):
             if toward[axis]:
                 assert way[axis] * toward[axis] > 0.3
-    assert plain(Step("walk", direction="forward")).joints[0, INDEX["left_hip"], 0] > 0
+    assert plain(ActionStep("walk", direction="forward")).joints[0, INDEX["left_hip"], 0] > 0
 
 
 @pytest.mark.parametrize(
     ("direction", "sign"), [("left", 1), ("right", -1), ("counterclockwise", 1), ("clockwise", -1)]
 )
 def test_turning_left_is_counterclockwise_from_above(direction: str, sign: int) -> None:
-    assert all(sign * act(Step("turn", direction=direction), seed).heading[-1] > 0.9 for seed in range(4))
-    assert sign * act(Step("spin jump", direction=direction)).heading[-1] > 0.9
-    clip = plain(Step("turn", direction=direction))
+    assert all(sign * act(ActionStep("turn", direction=direction), seed).heading[-1] > 0.9 for seed in range(4))
+    assert sign * act(ActionStep("spin jump", direction=direction)).heading[-1] > 0.9
+    clip = plain(ActionStep("turn", direction=direction))
     across = joint(clip, "left_hip") - joint(clip, "right_hip")
     turned = np.unwrap(np.arctan2(-across[:, 2], across[:, 0]))
     assert sign * (turned[-1] - turned[0]) > 0.9
 
 
 def test_walking_in_place_stays_and_back_and_forth_returns() -> None:
-    assert np.abs(act(Step("walk", direction="in place")).root[:, [0, 2]]).max() < 0.1
-    curves = act(Step("walk", direction="back and forth"), 0, 160)
+    assert np.abs(act(ActionStep("walk", direction="in place")).root[:, [0, 2]]).max() < 0.1
+    curves = act(ActionStep("walk", direction="back and forth"), 0, 160)
     assert np.ptp(curves.root[:, 2]) > 1
     assert np.abs(np.gradient(curves.heading)).max() > 0.05
 
@@ -139,7 +148,10 @@ def test_walking_in_place_stays_and_back_and_forth_returns() -> None:
 def test_gaits_go_at_human_speeds(name: str, low: float, high: float) -> None:
     for seed in range(8):
         speed = (
-            np.linalg.norm(np.diff(act(Step(name, direction="forward"), seed, 80).root[:, [0, 2]], axis=0), axis=1) * 20
+            np.linalg.norm(
+                np.diff(act(ActionStep(name, direction="forward"), seed, 80).root[:, [0, 2]], axis=0), axis=1
+            )
+            * 20
         )
         assert low < np.median(speed) < high
 
@@ -152,7 +164,7 @@ def test_who_sprints_goes_fast_in_any_manner_and_who_runs_may_not() -> None:
     tired = Manner(pace=-0.6, stride=-0.5)
 
     def speeds(name: str) -> list[float]:
-        step, make = Step(name, direction="forward"), PROGRAMS[name].make
+        step, make = ActionStep(name, direction="forward"), PROGRAMS[name].make
         return [
             float(np.percentile(_ahead(make(step, tired, np.random.default_rng(seed), 80)), 90)) for seed in range(12)
         ]
@@ -163,7 +175,7 @@ def test_who_sprints_goes_fast_in_any_manner_and_who_runs_may_not() -> None:
 
 def test_a_slower_run_lifts_the_feet_less_and_stands_longer() -> None:
     slow, fast = (
-        [act(Step("run", direction="forward", speed=speed), seed, 80).feet[..., 1] - ANKLE for seed in range(12)]
+        [act(ActionStep("run", direction="forward", speed=speed), seed, 80).feet[..., 1] - ANKLE for seed in range(12)]
         for speed in ("slow", "fast")
     )
     assert np.mean([x.max() for x in slow]) < 0.75 * np.mean([x.max() for x in fast])
@@ -171,7 +183,9 @@ def test_a_slower_run_lifts_the_feet_less_and_stands_longer() -> None:
 
 
 def test_some_runners_let_their_arms_hang_and_some_hold_them_off_the_body() -> None:
-    hands = np.array([act(Step("run", direction="forward"), seed, 80).hands.mean(axis=(0, 1)) for seed in range(40)])
+    hands = np.array(
+        [act(ActionStep("run", direction="forward"), seed, 80).hands.mean(axis=(0, 1)) for seed in range(40)]
+    )
     outward, height = hands[:, 0], hands[:, 1]
     assert height.min() < -0.75 < -0.6 < height.max()
     assert outward.min() < 0.06
@@ -181,7 +195,8 @@ def test_some_runners_let_their_arms_hang_and_some_hold_them_off_the_body() -> N
 def test_who_turns_at_speed_takes_room_for_it() -> None:
     for seed in range(12):
         clip = make_clip(
-            Scene(((Step("sprint", direction="back and forth", amplitude="large"),),)), np.random.default_rng(seed)
+            Scene(((ActionStep("sprint", direction="back and forth", amplitude="large"),),)),
+            np.random.default_rng(seed),
         )
         head = np.linalg.norm(np.diff(joint(clip, "head"), axis=0), axis=-1) * clip.fps
         assert head.max() < 14
@@ -195,10 +210,10 @@ def _peaks(curve: np.ndarray, level: float) -> int:
 @pytest.mark.parametrize("count", [1, 2, 4])
 def test_counts_are_kept(count: int) -> None:
     for seed in range(3):
-        feet = act(Step("jump", count=count), seed).feet[..., 1].min(axis=1)
+        feet = act(ActionStep("jump", count=count), seed).feet[..., 1].min(axis=1)
         assert _peaks(feet, ANKLE + 0.03) == count
-        assert _peaks(STAND - act(Step("squat", count=count), seed).root[:, 1], 0.1) == count
-        bow = act(Step("bow", count=count), seed)
+        assert _peaks(STAND - act(ActionStep("squat", count=count), seed).root[:, 1], 0.1) == count
+        bow = act(ActionStep("bow", count=count), seed)
         assert _peaks((bow.spine + bow.pelvis)[:, 0], 0.2) == count
 
 
@@ -206,7 +221,7 @@ def test_counts_are_kept(count: int) -> None:
 def test_sidesteps_keep_facing_ahead(direction: str, sign: int) -> None:
     turned = []
     for seed in range(8):
-        curves = act(Step("sidestep", direction=direction), seed)
+        curves = act(ActionStep("sidestep", direction=direction), seed)
         turned.append(np.abs(curves.heading).max())
         assert sign * (curves.root[-1, 0] - curves.root[0, 0]) > 0.3
     assert np.median(turned) < 0.2, "most keep facing ahead"
@@ -217,7 +232,7 @@ def test_sidesteps_keep_facing_ahead(direction: str, sign: int) -> None:
 @pytest.mark.parametrize(("direction", "axis", "sign"), [("forward", 2, 1), ("backward", 2, -1), ("left", 0, 1)])
 def test_so_many_steps_are_taken_that_way(direction: str, axis: int, sign: int, count: int) -> None:
     for seed in range(3):
-        curves = act(Step("take steps", direction=direction, count=count), seed)
+        curves = act(ActionStep("take steps", direction=direction, count=count), seed)
         lifts = sum(_peaks(curves.feet[:, foot, 1], ANKLE + 0.025) for foot in (0, 1))
         assert lifts in ((2 * count,) if direction == "left" else (count, count + 1))  # with and without closing
         assert sign * curves.root[-1, axis] > 0.1 * count
@@ -226,12 +241,12 @@ def test_so_many_steps_are_taken_that_way(direction: str, axis: int, sign: int, 
 @pytest.mark.parametrize(("direction", "sign"), [("left", 1), ("right", -1)])
 def test_half_a_circle_turns_half_round(direction: str, sign: int) -> None:
     for seed in range(4):
-        assert 2.3 < sign * act(Step("walk half circle", direction=direction), seed).heading[-1] < 4.0
+        assert 2.3 < sign * act(ActionStep("walk half circle", direction=direction), seed).heading[-1] < 4.0
 
 
 def test_an_eight_goes_round_both_ways_and_comes_back() -> None:
     for seed in range(4):
-        curves = act(Step("walk figure eight"), seed)
+        curves = act(ActionStep("walk figure eight"), seed)
         assert np.ptp(curves.heading) > 5.0
         assert abs(curves.heading[-1] - curves.heading[0]) < 1.0
 
@@ -239,13 +254,13 @@ def test_an_eight_goes_round_both_ways_and_comes_back() -> None:
 @pytest.mark.parametrize(("direction", "axis", "sign"), [("forward", 2, 1), ("backward", 2, -1), ("right", 0, -1)])
 def test_a_push_moves_the_body_that_way(direction: str, axis: int, sign: int) -> None:
     for seed in range(5):
-        curves = act(Step("get pushed", direction=direction), seed)
+        curves = act(ActionStep("get pushed", direction=direction), seed)
         assert sign * (curves.root[-1, axis] - curves.root[0, axis]) > 0.15
         assert np.abs(np.diff(curves.root[-5:], axis=0)).max() < 0.02, "it stands again"
 
 
 def test_cut_clips_keep_their_spans() -> None:
-    scene = Scene(((Step("walk"),), (Step("wave"),)))
+    scene = Scene(((ActionStep("walk"),), (ActionStep("wave"),)))
     for seed in range(30):
         clip = make_clip(scene, np.random.default_rng(seed))
         assert all(0 <= a < b <= len(clip.joints) / clip.fps + 1e-6 for a, b in clip.spans)
@@ -254,18 +269,18 @@ def test_cut_clips_keep_their_spans() -> None:
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_sides_are_the_bodys_own(side: str) -> None:
     on = ("left", "right").index(side)
-    hop = act(Step("hop", side=side, direction="in place"))
+    hop = act(ActionStep("hop", side=side, direction="in place"))
     middle = len(hop) // 2
     assert hop.feet[middle, on, 1] < hop.feet[middle, 1 - on, 1] - 0.1
-    kneeling = act(Step("kneel", side=side))
+    kneeling = act(ActionStep("kneel", side=side))
     assert kneeling.feet[:, on, 2].min() < kneeling.feet[:, 1 - on, 2].min() - 0.3
-    balance = act(Step("balance on one leg", side=side))
+    balance = act(ActionStep("balance on one leg", side=side))
     assert balance.feet[len(balance) // 2, 1 - on, 1] > balance.feet[len(balance) // 2, on, 1] + 0.2
 
 
 def test_mirrored_curves_are_the_mirrored_motion() -> None:
     curves = act_scene(
-        Scene(((Step("lunge", side="left"),), (Step("turn", direction="left"),))), np.random.default_rng(1)
+        Scene(((ActionStep("lunge", side="left"),), (ActionStep("turn", direction="left"),))), np.random.default_rng(1)
     )
     mirrored = Motion(pose(curves, OFFSETS).astype(np.float32)).mirror().joints
     np.testing.assert_allclose(pose(curves.mirrored(), OFFSETS), mirrored, atol=1e-5)
@@ -274,7 +289,7 @@ def test_mirrored_curves_are_the_mirrored_motion() -> None:
 
 
 def test_steps_in_sequence_join_where_the_one_before_ended() -> None:
-    walk, turn = act(Step("walk", direction="forward"), 0, 60), act(Step("turn", direction="left"))
+    walk, turn = act(ActionStep("walk", direction="forward"), 0, 60), act(ActionStep("turn", direction="left"))
     joined = join(walk, turn)
     frames = len(joined) - len(walk) - len(turn)
     assert 4 <= frames <= 26
@@ -283,16 +298,16 @@ def test_steps_in_sequence_join_where_the_one_before_ended() -> None:
     assert joined.heading[len(walk) + frames] == pytest.approx(walk.heading[-1])
     speed = np.linalg.norm(np.diff(pose(joined, OFFSETS), axis=0), axis=-1) * 20
     assert speed.max() < 8
-    clip = plain(Step("walk"), Step("jump", count=2), Step("sit down"))
+    clip = plain(ActionStep("walk"), ActionStep("jump", count=2), ActionStep("sit down"))
     assert len(clip.spans) == 3
     assert all(a[1] <= b[0] for a, b in zip(clip.spans, clip.spans[1:], strict=False))
 
 
 def test_steps_at_once_share_the_body() -> None:
-    assert parts_of(Step("wave", side="left")) == {"left_arm"}
-    assert compatible(Step("walk"), Step("wave", side="left"))
-    assert not compatible(Step("walk"), Step("run"))
-    both = plain((Step("walk", direction="forward"), Step("raise arm", side="left", height="high")))
+    assert parts_of(ActionStep("wave", side="left")) == {"left_arm"}
+    assert compatible(ActionStep("walk"), ActionStep("wave", side="left"))
+    assert not compatible(ActionStep("walk"), ActionStep("run"))
+    both = plain((ActionStep("walk", direction="forward"), ActionStep("raise arm", side="left", height="high")))
     assert len(both.spans) == 1
     raised = joint(both, "left_wrist")[:, 1] - joint(both, "left_shoulder")[:, 1]
     hanging = joint(both, "right_wrist")[:, 1] - joint(both, "right_shoulder")[:, 1]
@@ -308,7 +323,9 @@ def test_styles_change_the_body(style: str, measure: str, sign: int) -> None:
     def measured(name: str) -> float:
         values = []
         for seed in range(12):
-            curves = act_scene(Scene(((Step("walk", direction="forward", style=name),),)), np.random.default_rng(seed))
+            curves = act_scene(
+                Scene(((ActionStep("walk", direction="forward", style=name),),)), np.random.default_rng(seed)
+            )
             values.append({
                 "bend": curves.spine[:, 0].mean(),
                 "speed": np.linalg.norm(np.diff(curves.root[:, [0, 2]], axis=0), axis=1).mean(),
@@ -334,7 +351,7 @@ def test_other_ways_to_act_a_style_are_of_styles_that_exist_and_say_manner_field
 ])  # fmt: skip
 def test_styles_change_gestures_and_standing_too(action: str, style: str, sign: int) -> None:
     def bend(name: str) -> float:
-        scene = Scene(((Step(action, style=name),),))
+        scene = Scene(((ActionStep(action, style=name),),))
         return float(np.mean([act_scene(scene, np.random.default_rng(s)).spine[:, 0].mean() for s in range(12)]))
 
     assert sign * (bend(style) - bend("")) > 0.1
@@ -355,7 +372,7 @@ def test_who_walks_ahead_is_a_little_askew_and_diagonals_stay_apart() -> None:
     def aside(direction: str) -> np.ndarray:
         found = []
         for seed in range(40):
-            curves = act(Step("walk", direction=direction), seed, 80)
+            curves = act(ActionStep("walk", direction=direction), seed, 80)
             way = curves.root[-1, [0, 2]] - curves.root[0, [0, 2]]
             if np.ptp(curves.heading) < 0.3:  # the others turn to where they go
                 found.append(np.degrees(np.arctan2(way[0], way[1]) - curves.heading.mean()))
@@ -368,18 +385,21 @@ def test_who_walks_ahead_is_a_little_askew_and_diagonals_stay_apart() -> None:
 
 
 def test_bodies_and_performers_differ() -> None:
-    scene = Scene(((Step("stand"),),))
+    scene = Scene(((ActionStep("stand"),),))
     clips = [make_clip(scene, np.random.default_rng(seed)) for seed in range(10)]
     across = [np.linalg.norm(joint(c, "left_shoulder") - joint(c, "right_shoulder"), axis=1).mean() for c in clips]
     assert np.std(across) > 0.015
     assert 0.2 < min(across) < max(across) < 0.6
     assert HANGING[1] < 0
-    plain_bones = plain(Step("stand")).joints[0, INDEX["left_knee"]] - plain(Step("stand")).joints[0, INDEX["left_hip"]]
+    plain_bones = (
+        plain(ActionStep("stand")).joints[0, INDEX["left_knee"]]
+        - plain(ActionStep("stand")).joints[0, INDEX["left_hip"]]
+    )
     assert np.linalg.norm(plain_bones) == pytest.approx(0.4, abs=1e-3)
 
 
 def test_unknown_actions_and_styles_are_refused() -> None:
     with pytest.raises(KeyError):
-        plain(Step("levitate"))
+        plain(ActionStep("levitate"))
     with pytest.raises(KeyError):
-        plain(Step("walk", style="quantum"))
+        plain(ActionStep("walk", style="quantum"))

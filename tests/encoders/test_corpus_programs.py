@@ -7,7 +7,7 @@ from encoders.corpus.actions.programs import parts_of, programs
 from encoders.corpus.engine.curves import LEFT, RIGHT, Curves
 from encoders.corpus.engine.posing import OFFSETS, pose
 from encoders.corpus.engine.style import NEUTRAL
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.skeleton import INDEX, PARENTS
 
 ACTED = sorted(
@@ -16,21 +16,24 @@ ACTED = sorted(
 SIDES = {"left": LEFT, "right": RIGHT}
 
 
-def perform(step: Step, seed: int = 0, frames: int = 0) -> Curves:
+def perform(step: ActionStep, seed: int = 0, frames: int = 0) -> Curves:
     return programs()[step.action].make(step, NEUTRAL, np.random.default_rng(seed), frames)
 
 
-def steps_of(name: str) -> list[Step]:
+def steps_of(name: str) -> list[ActionStep]:
     """The plain step, and for each particular that the program honours one step a value (the ends of the counts)."""
     p = programs()[name]
     particulars = {
         "side": p.sides, "direction": p.directions, "speed": p.speeds, "amplitude": p.amplitudes, "height": p.heights,
         "count": p.counts or (),
     }  # fmt: skip
-    return [Step(name), *(Step(name, **{field: value}) for field, values in particulars.items() for value in values)]
+    return [
+        ActionStep(name),
+        *(ActionStep(name, **{field: value}) for field, values in particulars.items() for value in values),
+    ]
 
 
-def wrist_travel(step: Step, side: int, seeds: int = 5) -> float:
+def wrist_travel(step: ActionStep, side: int, seeds: int = 5) -> float:
     """Mean path length of a wrist, in arm lengths."""
     total = 0.0
     for seed in range(seeds):
@@ -61,20 +64,22 @@ def test_every_particular_gives_a_sound_body(name):
     assert speed.max() < 20.0, "no joint of a body is faster than a pitcher's hand"
 
 
-ONE_HANDED = [n for n in ACTED if "left" in programs()[n].sides and perform(Step(n, side="left")).parts == {"left_arm"}]
+ONE_HANDED = [
+    n for n in ACTED if "left" in programs()[n].sides and perform(ActionStep(n, side="left")).parts == {"left_arm"}
+]
 
 
 @pytest.mark.parametrize("name", ONE_HANDED)
 def test_the_named_hand_moves_most(name):
     for side, hand in SIDES.items():
-        travel = [wrist_travel(Step(name, side=side), of, seeds=2) for of in (LEFT, RIGHT)]
+        travel = [wrist_travel(ActionStep(name, side=side), of, seeds=2) for of in (LEFT, RIGHT)]
         assert travel[hand] > 2 * travel[1 - hand]
 
 
 @pytest.mark.parametrize("name", ["wave", "point", "guide", "salute", "phone call", "touch nose", "raise arm", "knock"])
 def test_the_other_hand_of_a_one_handed_gesture_stays_free(name):
-    assert parts_of(Step(name, side="left")) == {"left_arm"}
-    c = perform(Step(name, side="left"))
+    assert parts_of(ActionStep(name, side="left")) == {"left_arm"}
+    c = perform(ActionStep(name, side="left"))
     if name not in ("guide",):
         assert np.ptp(c.hands[:, RIGHT], axis=0).max() < 0.02
 
@@ -82,7 +87,7 @@ def test_the_other_hand_of_a_one_handed_gesture_stays_free(name):
 @pytest.mark.parametrize("name", ["wave", "clap", "cheer", "raise arm", "surrender"])
 def test_both_hands_move_alike(name):
     side = "both" if "both" in programs()[name].sides else ""
-    travel = [wrist_travel(Step(name, side=side), hand) for hand in (LEFT, RIGHT)]
+    travel = [wrist_travel(ActionStep(name, side=side), hand) for hand in (LEFT, RIGHT)]
     assert max(travel) < 1.35 * min(travel)
 
 
@@ -92,7 +97,7 @@ def test_both_hands_move_alike(name):
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_the_named_leg_is_raised(name, side):
     for seed in range(4):
-        high = perform(Step(name, side=side), seed).feet[..., 1].max(axis=0)
+        high = perform(ActionStep(name, side=side), seed).feet[..., 1].max(axis=0)
         assert high[SIDES[side]] > high[1 - SIDES[side]] + 0.05
 
 
@@ -128,7 +133,7 @@ COUNTED = {
 @pytest.mark.parametrize("count", [2, 3])
 def test_the_count_is_right(name, count):
     side = "right" if "right" in programs()[name].sides else ""
-    hits = [peaks(COUNTED[name](perform(Step(name, side=side, count=count), seed))) == count for seed in range(6)]
+    hits = [peaks(COUNTED[name](perform(ActionStep(name, side=side, count=count), seed))) == count for seed in range(6)]
     assert sum(hits) >= 5
 
 
@@ -136,7 +141,7 @@ def test_the_count_is_right(name, count):
 def test_slow_takes_longer_than_fast(name):
     count = 3 if programs()[name].counts else 0
     lengths = [
-        np.mean([len(perform(Step(name, speed=speed, count=count), seed)) for seed in range(8)])
+        np.mean([len(perform(ActionStep(name, speed=speed, count=count), seed)) for seed in range(8)])
         for speed in ("fast", "", "slow")
     ]
     assert lengths[0] < lengths[1] < lengths[2]
@@ -145,9 +150,9 @@ def test_slow_takes_longer_than_fast(name):
 @pytest.mark.parametrize("name", ["wave", "stir", "arm circles", "clap"])
 def test_large_is_larger_than_small(name):
     def extent(amplitude):
-        sizes = [np.ptp(perform(Step(name, amplitude=amplitude, side="right" if name != "clap" else "", count=4), seed)
-                        .hands[15:-15, RIGHT], axis=0).max() for seed in range(6)]  # fmt: skip
-        return np.mean(sizes)
+        step = ActionStep(name, amplitude=amplitude, side="right" if name != "clap" else "", count=4)
+        hands = [perform(step, seed).hands[15:-15, RIGHT] for seed in range(6)]
+        return np.mean([np.ptp(places, axis=0).max() for places in hands])
 
     assert extent("small") < extent("large")
 
@@ -157,7 +162,7 @@ def test_large_is_larger_than_small(name):
 )
 def test_pointing_goes_the_named_way(direction, axis, sign):
     for seed in range(5):
-        joints = pose(perform(Step("point", direction=direction), seed), OFFSETS)
+        joints = pose(perform(ActionStep("point", direction=direction), seed), OFFSETS)
         arms = (
             joints[:, [INDEX["left_wrist"], INDEX["right_wrist"]]]
             - joints[:, [INDEX["left_shoulder"], INDEX["right_shoulder"]]]
@@ -169,7 +174,7 @@ def test_pointing_goes_the_named_way(direction, axis, sign):
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_the_way_is_shown_to_the_named_side(direction, sign, side):
     for seed in range(5):
-        joints = pose(perform(Step("guide", direction=direction, side=side), seed), OFFSETS)
+        joints = pose(perform(ActionStep("guide", direction=direction, side=side), seed), OFFSETS)
         wrist = joints[:, INDEX[f"{side}_wrist"], 0] - joints[:, INDEX["spine3"], 0]
         assert (sign * wrist).max() > 0.1
 
@@ -177,7 +182,7 @@ def test_the_way_is_shown_to_the_named_side(direction, sign, side):
 @pytest.mark.parametrize(("direction", "sign"), [("left", 1), ("right", -1)])
 @pytest.mark.parametrize("name", ["look", "tilt head"])
 def test_the_head_goes_to_the_named_side(name, direction, sign):
-    head = perform(Step(name, direction=direction)).head[:, 2 if name == "look" else 1]
+    head = perform(ActionStep(name, direction=direction)).head[:, 2 if name == "look" else 1]
     assert sign * head[np.abs(head).argmax()] > 0.2
 
 
@@ -185,12 +190,12 @@ def test_the_head_goes_to_the_named_side(name, direction, sign):
 @pytest.mark.parametrize("name", ["spin dance", "pirouette"])
 def test_turns_go_the_named_way_round(name, direction, sign):
     for seed in range(4):
-        assert sign * perform(Step(name, direction=direction), seed).heading[-1] > 6.0
+        assert sign * perform(ActionStep(name, direction=direction), seed).heading[-1] > 6.0
 
 
 @pytest.mark.parametrize(("height", "low", "high"), [("low", 0.0, 0.45), ("middle", 0.6, 1.1), ("high", 1.4, 2.2)])
 def test_things_are_picked_up_at_the_named_height(height, low, high):
-    wrists = pose(perform(Step("pick up", height=height, side="both")), OFFSETS)[
+    wrists = pose(perform(ActionStep("pick up", height=height, side="both")), OFFSETS)[
         :, [INDEX["left_wrist"], INDEX["right_wrist"]], 1
     ]
     reached = wrists.min() if height == "low" else wrists.max() if height == "high" else None
@@ -200,18 +205,18 @@ def test_things_are_picked_up_at_the_named_height(height, low, high):
 
 
 def test_a_gesture_fills_the_time_it_is_given():
-    assert abs(len(perform(Step("cross arms"), frames=120)) - 120) < 12
-    assert len(perform(Step("clap"), frames=160)) > len(perform(Step("clap"), frames=60))
+    assert abs(len(perform(ActionStep("cross arms"), frames=120)) - 120) < 12
+    assert len(perform(ActionStep("clap"), frames=160)) > len(perform(ActionStep("clap"), frames=60))
 
 
 @pytest.mark.parametrize("name", ["wave", "guide", "punch", "dance", "cross arms", "pick up"])
 def test_two_performances_differ(name):
-    first, second = perform(Step(name), 1), perform(Step(name), 2)
+    first, second = perform(ActionStep(name), 1), perform(ActionStep(name), 2)
     frames = min(len(first), len(second))
     assert np.abs(first.data[:frames] - second.data[:frames]).max() > 0.05
 
 
 def test_feet_that_are_not_told_to_move_stay():
     for name in ("wave", "drink", "clap", "cry"):
-        feet = perform(Step(name)).feet
+        feet = perform(ActionStep(name)).feet
         assert np.ptp(feet, axis=0).max() == 0.0

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from encoders.corpus.actions.programs import held_out_programs, program_of, programs
-from encoders.corpus.composition.long_takes import unseen_take
+from encoders.corpus.composition.long_takes import heldout_take
 from encoders.corpus.composition.scene_clips import make_clip
 from encoders.corpus.engine.style import STYLES
 from encoders.corpus.heldout import styles, words
 from encoders.corpus.language import parse, random_scene
 from encoders.corpus.language.lexicon import entries
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.scene import ActionStep, Scene
 
 HELD_OUT = sorted(held_out_programs())
 
@@ -46,7 +46,7 @@ def test_manners_held_out_are_none_of_training() -> None:
 @pytest.mark.parametrize("action", HELD_OUT)
 def test_they_are_acted_out_by_sound_bodies(action: str) -> None:
     for seed in range(3):
-        clip = make_clip(Scene(((Step(action),),)), np.random.default_rng(seed))
+        clip = make_clip(Scene(((ActionStep(action),),)), np.random.default_rng(seed))
         speed = 20 * np.linalg.norm(np.diff(clip.joints, axis=0), axis=-1)
         assert 2.0 < len(clip.joints) / clip.fps < 25.0
         assert np.isfinite(clip.joints).all()
@@ -55,7 +55,7 @@ def test_they_are_acted_out_by_sound_bodies(action: str) -> None:
 
 
 def test_a_take_of_them_mixes_unseen_actions_with_known_ones_in_unseen_manners() -> None:
-    taken = unseen_take(np.random.default_rng(0), least=60.0, most=60.0)
+    taken = heldout_take(np.random.default_rng(0), least=60.0, most=60.0)
     assert {marked.unseen for marked in taken.marked} == {True, False}
     manners = {fact.split("=")[1] for h in taken.happens for fact in h.facts if ".style=" in fact}
     assert manners

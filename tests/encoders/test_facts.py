@@ -7,15 +7,15 @@ import pytest
 
 from encoders.corpus.actions.programs import programs
 from encoders.corpus.composition.facts import _KINDS_OF, Untold, facts, stated_by
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.scene import ActionStep, Scene
 
 
 def one(action: str, **particulars: object) -> Scene:
-    return Scene(((Step(action, **particulars),),))  # type: ignore[arg-type]
+    return Scene(((ActionStep(action, **particulars),),))  # type: ignore[arg-type]
 
 
 def sequence(*actions: str) -> Scene:
-    return Scene(tuple((Step(action),) for action in actions))
+    return Scene(tuple((ActionStep(action),) for action in actions))
 
 
 @pytest.mark.parametrize(
@@ -32,7 +32,7 @@ def sequence(*actions: str) -> Scene:
         (one("jump"), sequence("walk", "jump")),
         (sequence("walk", "sit"), sequence("walk", "jump", "sit")),
         (sequence("walk", "run"), sequence("limp", "sprint")),
-        (Scene(((Step("walk"), Step("wave")),)), Scene(((Step("wave"), Step("limp")),))),
+        (Scene(((ActionStep("walk"), ActionStep("wave")),)), Scene(((ActionStep("wave"), ActionStep("limp")),))),
     ],
 )
 def test_it_is_true_of_whatever_shows_all_it_says(said: Scene, shown: Scene) -> None:
@@ -49,7 +49,7 @@ def test_it_is_true_of_whatever_shows_all_it_says(said: Scene, shown: Scene) -> 
         (one("sprint"), one("run")),
         (one("walk", direction="backward-left"), one("walk", direction="backward")),
         (sequence("walk", "sit"), sequence("sit", "walk")),
-        (Scene(((Step("walk"), Step("wave")),)), sequence("walk", "wave")),
+        (Scene(((ActionStep("walk"), ActionStep("wave")),)), sequence("walk", "wave")),
     ],
 )
 def test_it_is_not_true_of_what_differs_in_one_thing(said: Scene, shown: Scene) -> None:

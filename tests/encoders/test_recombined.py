@@ -16,7 +16,7 @@ from encoders.corpus.composition.augmentation import (
 )
 from encoders.corpus.composition.real import CaptionedSpan, CaptionedTake
 from encoders.corpus.engine.posing import OFFSETS
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.scene import ActionStep, Scene
 from encoders.motion import Motion
 from encoders.skeleton import INDEX, PARENTS
 
@@ -117,8 +117,8 @@ def test_a_made_gesture_of_one_hand_does_not_always_say_which() -> None:
 def test_the_scene_of_what_is_put_together_is_known_where_both_are_understood() -> None:
     walk, up, odd = (Piece.said(walking(40), (said,)) for said in ("a man walks", "raises both arms", "gnarls"))
     rng = np.random.default_rng(0)
-    assert joined_pair(walk, up, rng).scene == Scene(((Step("walk"),), (Step("raise arm", side="both"),)))
-    assert laid_over(walk, up, rng).scene == Scene(((Step("walk"), Step("raise arm", side="both")),))
+    assert joined_pair(walk, up, rng).scene == Scene(((ActionStep("walk"),), (ActionStep("raise arm", side="both"),)))
+    assert laid_over(walk, up, rng).scene == Scene(((ActionStep("walk"), ActionStep("raise arm", side="both")),))
     assert joined_pair(walk, odd, rng).scene is laid_over(odd, up, rng).scene is None
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.composition.long_takes import join, joined_take, made_take
+from encoders.corpus.composition.long_takes import join, joined_take, synthetic_take
 from encoders.motion import Motion
 from encoders.skeleton import INDEX
 
@@ -62,7 +62,7 @@ def test_spans_of_joined_clips_are_exact_at_any_frame_rate() -> None:
 
 
 def test_a_made_take_marks_every_action_it_shows() -> None:
-    taken = made_take(np.random.default_rng(3), least=12.0, most=12.0)
+    taken = synthetic_take(np.random.default_rng(3), least=12.0, most=12.0)
     spans = sorted({span for marked in taken.marked for span in marked.spans})
     assert 12.0 <= taken.motion.duration < 60.0
     assert len({marked.sentence for marked in taken.marked}) == len(taken.marked)

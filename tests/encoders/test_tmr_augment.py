@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from encoders.features.canonical import LAYOUT, POINTS, SIZE
-from encoders.tmr.training.augment import postured, turned
+from encoders.tmr.training.augment import pose_jitter, random_rotation
 
 
 @pytest.fixture
@@ -19,7 +19,7 @@ def vectors(features: np.ndarray, name: str) -> np.ndarray:
 
 
 def test_lengths_and_angles_stay(features: np.ndarray) -> None:
-    moved = turned(features, np.random.default_rng(1), yaw=10.0, tilt=5.0)
+    moved = random_rotation(features, np.random.default_rng(1), yaw=10.0, tilt=5.0)
     for name in ("positions", "velocities"):
         before, after = vectors(features, name), vectors(moved, name)
         np.testing.assert_allclose(
@@ -29,7 +29,7 @@ def test_lengths_and_angles_stay(features: np.ndarray) -> None:
 
 
 def test_one_rotation_turns_all_groups_all_along(features: np.ndarray) -> None:
-    moved = turned(features, np.random.default_rng(1), yaw=10.0, tilt=5.0)
+    moved = random_rotation(features, np.random.default_rng(1), yaw=10.0, tilt=5.0)
     before, after = vectors(features, "positions").reshape(-1, 3), vectors(moved, "positions").reshape(-1, 3)
     rotation = np.linalg.lstsq(before, after, rcond=None)[0]
     assert np.linalg.det(rotation) == pytest.approx(1, abs=1e-4)
@@ -38,14 +38,14 @@ def test_one_rotation_turns_all_groups_all_along(features: np.ndarray) -> None:
 
 
 def test_yaw_leaves_the_vertical_and_tilt_does_not(features: np.ndarray) -> None:
-    yawed = turned(features, np.random.default_rng(1), yaw=10.0, tilt=0.0)
+    yawed = random_rotation(features, np.random.default_rng(1), yaw=10.0, tilt=0.0)
     np.testing.assert_allclose(vectors(yawed, "positions")[..., 1], vectors(features, "positions")[..., 1], atol=1e-5)
-    tilted = turned(features, np.random.default_rng(1), yaw=0.0, tilt=5.0)
+    tilted = random_rotation(features, np.random.default_rng(1), yaw=0.0, tilt=5.0)
     assert np.abs(vectors(tilted, "positions")[..., 1] - vectors(features, "positions")[..., 1]).max() > 0.01
 
 
 def test_no_angle_changes_nothing(features: np.ndarray) -> None:
-    np.testing.assert_allclose(turned(features, np.random.default_rng(1), 0.0, 0.0), features, atol=1e-6)
+    np.testing.assert_allclose(random_rotation(features, np.random.default_rng(1), 0.0, 0.0), features, atol=1e-6)
 
 
 def lengths(features: np.ndarray, start: str, end: str) -> np.ndarray:
@@ -54,7 +54,7 @@ def lengths(features: np.ndarray, start: str, end: str) -> np.ndarray:
 
 
 def test_another_posture_keeps_legs_place_and_the_lengths_of_arms(features: np.ndarray) -> None:
-    moved = postured(features, np.random.default_rng(1), 10.0)
+    moved = pose_jitter(features, np.random.default_rng(1), 10.0)
     legs = [i for i, name in enumerate(POINTS) if name.endswith(("knee", "ankle", "foot"))]
     for name in ("positions", "velocities"):
         np.testing.assert_array_equal(vectors(moved, name)[:, legs], vectors(features, name)[:, legs])
@@ -75,9 +75,9 @@ def test_velocities_go_with_the_limb_that_is_carried_otherwise() -> None:
     ]
     features[:, columns[0]], features[:, columns[1]] = elbow, np.gradient(elbow, axis=0)
     for seed in range(4):
-        moved = postured(features, np.random.default_rng(seed), 5.0)
+        moved = pose_jitter(features, np.random.default_rng(seed), 5.0)
         np.testing.assert_allclose(moved[1:-1, columns[1]], np.gradient(moved[:, columns[0]], axis=0)[1:-1], atol=3e-3)
 
 
 def test_no_other_posture_changes_nothing(features: np.ndarray) -> None:
-    np.testing.assert_allclose(postured(features, np.random.default_rng(1), 0.0), features, atol=1e-5)
+    np.testing.assert_allclose(pose_jitter(features, np.random.default_rng(1), 0.0), features, atol=1e-5)

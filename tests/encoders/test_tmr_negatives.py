@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("torch")
 pytestmark = pytest.mark.torch
 
-from encoders.tmr.training.false_negatives import NoNegatives  # noqa: E402
+from encoders.tmr.training.false_negatives import FalseNegativeMask  # noqa: E402
 from encoders.tmr.training.pairs import Pair, PairStore  # noqa: E402
 from encoders.tmr.training.recipe import Recipe  # noqa: E402
 
@@ -28,7 +28,7 @@ def no_negatives(real_facts: set[str] | None, meaning: set[str], *, typical: boo
     told = None if real_facts is None else frozenset(real_facts)
     real = PairStore([Pair(NOTHING, ("a real one",), None if told is None else (frozenset(meaning),), told)])
     unlike = SimpleNamespace(sentences=np.eye(4, dtype=np.float32))
-    judge = NoNegatives(made, real, unlike, Recipe(typical=typical))  # type: ignore[arg-type]
+    judge = FalseNegativeMask(made, real, unlike, Recipe(typical=typical))  # type: ignore[arg-type]
     picks = [*((made, i) for i in range(3)), (real, 0)]
     return judge(picks, [0] * 4, range(4), [*MADE, "a real one"])
 

@@ -17,7 +17,7 @@ from indexer.ingest.indexing import index, reencode
 from indexer.ingest.pool import Read
 from indexer.store import read_options
 from indexer.store.lock import write_lock
-from indexer.store.stored_library import FOLDER, Caption, Library
+from indexer.store.stored_library import FOLDER, Caption, StoredLibrary
 from tests.indexer.folders import SmallBundle, moving, write
 
 ROOT = Path(__file__).parents[2]
@@ -59,7 +59,7 @@ def counts(summary):
 
 
 def paths(root):
-    with Library.open(root) as library:
+    with StoredLibrary.open(root) as library:
         return {clip.path: clip.id for clip in library.clips(library.ids()).values()}
 
 
@@ -80,7 +80,7 @@ def test_a_new_file_and_a_changed_one_are_all_that_is_read(root, bundle, read_he
     assert sorted(read_here) == ["b.npy", "new.npy"]
     after = paths(root)
     assert {path: after[path] for path in before} == before  # a changed clip keeps its number
-    with Library.open(root, bundle=bundle) as library:
+    with StoredLibrary.open(root, bundle=bundle) as library:
         assert library.find("b").duration == 6.0
         assert np.abs(library.motion(before["b.npy"]).joints - moving(20, 6)).max() < 1e-3
 
@@ -103,7 +103,7 @@ def test_a_moved_file_keeps_its_number_and_its_captions(root, bundle, read_here)
     read_here.clear()
     assert counts(index(root, bundle=bundle)) == (0, 2, 1, 0, 0)
     assert read_here == []
-    with Library.open(root, bundle=bundle) as library:
+    with StoredLibrary.open(root, bundle=bundle) as library:
         clip = library.find("renamed")
         assert (clip.id, clip.path) == (number, "far/away/renamed.npy")
         assert library.captions(clip.id) == [Caption("a person walks")]
@@ -114,7 +114,7 @@ def test_a_folder_renamed_with_its_captions_says_each_once(root, bundle, read_he
     index(root, bundle=bundle)
     (root / "day 1").rename(root / "day 2")
     assert counts(index(root, bundle=bundle)) == (0, 2, 1, 0, 0)
-    with Library.open(root, bundle=bundle) as library:
+    with StoredLibrary.open(root, bundle=bundle) as library:
         assert library.captions(library.find("c").id) == [Caption("a person walks")]
         assert library.stats()["captions"] == 1
 
@@ -133,7 +133,7 @@ def test_two_files_that_swap_their_names_are_read_again(root, bundle):
     os.utime(root / "a.npy", (5, 5))
     os.utime(root / "b.npy", (6, 6))
     index(root, bundle=bundle)
-    with Library.open(root, bundle=bundle) as library:
+    with StoredLibrary.open(root, bundle=bundle) as library:
         assert np.abs(library.motion(library.find("a").id).joints - moving(2)).max() < 1e-3
         assert np.abs(library.motion(library.find("b").id).joints - moving(1)).max() < 1e-3
 
@@ -145,7 +145,7 @@ def test_a_vanished_file_answers_no_more_and_comes_back_as_it_was(root, bundle, 
     content = (root / "a.npy").read_bytes()
     (root / "a.npy").unlink()
     assert counts(index(root, bundle=bundle)) == (0, 2, 0, 1, 0)
-    with Library.open(root, bundle=bundle) as library:
+    with StoredLibrary.open(root, bundle=bundle) as library:
         assert len(library) == 2
         query = bundle.encode_motions([Motion(moving(1).astype(np.float32))])
         assert number not in library.nearest_clips(query, 9)[1]
@@ -158,7 +158,7 @@ def test_a_vanished_file_answers_no_more_and_comes_back_as_it_was(root, bundle, 
     assert counts(index(root, bundle=bundle)) == (0, 2, 1, 0, 0)
     assert read_here == []
     assert paths(root)["a.npy"] == number
-    with Library.open(root, bundle=bundle) as library:
+    with StoredLibrary.open(root, bundle=bundle) as library:
         assert number in library.nearest_clips(query, 9)[1]
         assert library.captions(number) == [Caption("a person walks")]
 
@@ -171,7 +171,7 @@ def test_a_missing_root_is_an_error_and_nothing_is_lost(root, bundle, tmp_path):
     root.mkdir()
     with pytest.raises(LibraryError, match="is empty, so nothing was changed; is its drive connected"):
         index(root, library=tmp_path / "lib", bundle=bundle)
-    assert len(Library.open(tmp_path / "lib")) == 3
+    assert len(StoredLibrary.open(tmp_path / "lib")) == 3
 
 
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="needs a user who cannot list every folder")
@@ -226,12 +226,12 @@ def test_a_failure_is_remembered_and_tried_again_only_when_it_changed(root, bund
     second = index(root, bundle=bundle)
     assert (counts(second), second.failed_before) == ((0, 3, 0, 0, 0), 2)
     assert read_here == []
-    with Library.open(root) as library:
+    with StoredLibrary.open(root) as library:
         assert [Path(path).name for path, _ in library.failures()] == ["bad.npy", "scene.fbx"]
     assert len(index(root, bundle=bundle, retry=True).failed) == 2
     write(root / "bad.npy", 9)
     assert counts(index(root, bundle=bundle)) == (1, 3, 0, 0, 0)
-    with Library.open(root) as library:
+    with StoredLibrary.open(root) as library:
         assert len(library.failures()) == 1
 
 
@@ -251,7 +251,7 @@ def test_a_failed_file_that_is_deleted_is_forgotten(root, bundle):
     index(root, bundle=bundle)
     (root / "bad.npy").unlink()
     assert counts(index(root, bundle=bundle)) == (0, 3, 0, 0, 0)
-    assert Library.open(root).failures() == []
+    assert StoredLibrary.open(root).failures() == []
 
 
 def test_a_skeleton_is_no_clip_but_its_change_is_a_change_of_its_motions(root, bundle, read_here):
@@ -275,7 +275,7 @@ def test_changed_captions_are_picked_up_without_reading_motions(root, bundle, re
     assert counts(index(root, bundle=bundle)) == (0, 3, 0, 0, 0)
     assert read_here == []
     assert sorted(bundle.sentences) == ["and turns", "sits down"]
-    with Library.open(root, bundle=bundle) as library:
+    with StoredLibrary.open(root, bundle=bundle) as library:
         assert [c.text for c in library.captions(library.find("a").id)] == ["a person walks", "and turns"]
         assert library.captions(library.find("b").id) == [Caption("sits down", 0.5, 2.0)]
 
@@ -292,7 +292,7 @@ def test_captions_whose_file_is_deleted_are_gone(root, bundle):
     index(root, bundle=bundle)
     (root / "a.txt").unlink()
     index(root, bundle=bundle)
-    with Library.open(root, bundle=bundle) as library:
+    with StoredLibrary.open(root, bundle=bundle) as library:
         assert library.captions(library.find("a").id) == []
 
 
@@ -302,7 +302,7 @@ def test_a_caption_waits_for_a_motion_that_comes_later(root, bundle):
     assert "a caption is of motions that are not indexed, such as 'later.npy'" in summary.warnings[0]
     write(root / "later.npy", 8)
     assert index(root, bundle=bundle).warnings == []
-    with Library.open(root, bundle=bundle) as library:
+    with StoredLibrary.open(root, bundle=bundle) as library:
         assert library.captions(library.find("later").id) == [Caption("a person jumps")]
         assert library.caption_vectors()[0] == ["a person jumps"]
 
@@ -310,7 +310,7 @@ def test_a_caption_waits_for_a_motion_that_comes_later(root, bundle):
 def test_the_frame_rate_of_a_table_goes_before_the_one_asked_for(root, bundle, read_here):
     (root / "day 1" / "captions.csv").write_text("path,fps\nc.npy,40\n")
     index(root, bundle=bundle, fps=10)
-    with Library.open(root, bundle=bundle) as library:
+    with StoredLibrary.open(root, bundle=bundle) as library:
         assert library.find("c").duration == pytest.approx(2, abs=0.1)
         assert library.find("a").duration == pytest.approx(8, abs=0.1)
     read_here.clear()
@@ -326,7 +326,7 @@ def test_what_was_said_of_files_need_not_be_said_again(root, bundle, read_here):
     assert counts(index(root, bundle=bundle)) == (0, 2, 1, 0, 0)
     write(root / "b.npy", 12)
     assert counts(index(root, bundle=bundle)) == (1, 2, 0, 0, 0)
-    with Library.open(root, bundle=bundle) as library:
+    with StoredLibrary.open(root, bundle=bundle) as library:
         assert library.find("b").duration == pytest.approx(8, abs=0.1)
     assert counts(index(root, bundle=bundle, fps=20)) == (3, 0, 0, 0, 0)
     assert counts(index(root, bundle=bundle, joint_map={})) == (3, 0, 0, 0, 0)
@@ -341,7 +341,7 @@ def test_several_folders_share_a_library(root, bundle, tmp_path):
     assert index([root, other], library=library_folder, bundle=bundle).indexed == 4
     (other / "a.npy").rename(root / "moved.npy")
     assert counts(index([], library=library_folder, bundle=bundle)) == (0, 3, 1, 0, 0)
-    with Library.open(library_folder, bundle=bundle) as library:
+    with StoredLibrary.open(library_folder, bundle=bundle) as library:
         assert library.roots == [root, other]
         assert library.find("moved").root == root
         write(other / "a.npy", 31)
@@ -365,7 +365,7 @@ def test_an_empty_folder_and_odd_names_are_fine(tmp_path, bundle, read_here):
     for seed, name in enumerate(names):
         write(tmp_path / "odd" / name, seed)
     assert index(tmp_path / "odd", bundle=bundle).indexed == 5
-    with Library.open(tmp_path / "odd") as library:
+    with StoredLibrary.open(tmp_path / "odd") as library:
         assert {library.find(name).path for name in names} == set(names)
 
 
@@ -400,14 +400,14 @@ def test_readers_see_whole_batches_while_one_is_written(root, bundle, monkeypatc
 
     def add_and_look(self, *arguments):
         number = add(self, *arguments)
-        with Library.open(root, bundle=bundle) as library:
+        with StoredLibrary.open(root, bundle=bundle) as library:
             seen.append(len(library))
         return number
 
     monkeypatch.setattr(indexing.Writer, "add", add_and_look)
     index(root, bundle=bundle)
     assert seen == [3]
-    assert len(Library.open(root)) == 4
+    assert len(StoredLibrary.open(root)) == 4
 
 
 def test_ctrl_c_keeps_what_is_done(root, bundle, monkeypatch):
@@ -434,7 +434,7 @@ def test_another_model_is_refused_before_anything_changes(root, bundle):
     (root / "a.npy").unlink()
     with pytest.raises(BundleMismatch, match="--rebuild"):
         index(root, bundle=SmallBundle("other"))
-    assert len(Library.open(root)) == 3
+    assert len(StoredLibrary.open(root)) == 3
 
 
 def test_reencoding_needs_no_source_file(root, bundle, tmp_path):
@@ -448,7 +448,7 @@ def test_reencoding_needs_no_source_file(root, bundle, tmp_path):
     told = []
     assert reencode(root, other, progress=lambda *said: told.append(said)) == 2
     assert told[-1][:2] == (2, 2)
-    with Library.open(root, bundle=other) as library:
+    with StoredLibrary.open(root, bundle=other) as library:
         clip = library.find("a")
         scores, ids = library.nearest_clips(other.encode_motions([library.motion(clip.id)]), 5)
         assert ids[0].tolist()[0] == clip.id
@@ -456,7 +456,7 @@ def test_reencoding_needs_no_source_file(root, bundle, tmp_path):
         assert (ids[0] == -1).sum() == 3
         assert library.caption_vectors()[2].shape == (1, 24)
     with pytest.raises(BundleMismatch):
-        Library.open(root, bundle=bundle)
+        StoredLibrary.open(root, bundle=bundle)
 
 
 def test_reencoding_that_is_cut_off_leaves_the_old_answers_and_goes_on(root, bundle, monkeypatch):
@@ -474,19 +474,19 @@ def test_reencoding_that_is_cut_off_leaves_the_old_answers_and_goes_on(root, bun
     other.encode_motions = cut_off
     with pytest.raises(KeyboardInterrupt):
         reencode(root, other)
-    with Library.open(root, bundle=bundle) as library:
+    with StoredLibrary.open(root, bundle=bundle) as library:
         scores, ids = library.nearest_clips(bundle.encode_motions([library.motion(3)]), 1)
         assert (ids[0, 0], round(float(scores[0, 0]), 2)) == (3, 1)
     encoded.clear()
     reencode(root, other)
     assert encoded == [1]  # only what was left
-    assert len(Library.open(root, bundle=other)) == 3
+    assert len(StoredLibrary.open(root, bundle=other)) == 3
 
 
 def test_files_are_read_again_when_reading_has_changed(root, bundle, read_here, monkeypatch):
     index(root, bundle=bundle)
     before = paths(root)
-    monkeypatch.setattr(read_options, "READING", 99)
+    monkeypatch.setattr(read_options, "READER_VERSION", 99)
     assert counts(index(root, bundle=bundle)) == (3, 0, 0, 0, 0)
     assert paths(root) == before
 
@@ -519,7 +519,7 @@ def test_a_run_that_is_killed_loses_only_the_batch_in_flight(tmp_path, bundle):
             break
     process.wait()
     process.stdout.close()
-    with Library.open(root, bundle=bundle) as library:
+    with StoredLibrary.open(root, bundle=bundle) as library:
         done = len(library)
         assert 4 <= done < 12
         for clip_id in library.ids():

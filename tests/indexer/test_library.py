@@ -10,7 +10,7 @@ from encoders.motion import Motion
 from indexer.ingest import indexing
 from indexer.ingest.pool import Read
 from indexer.store import poses, schema
-from indexer.store.stored_library import FILE, FOLDER, Caption, Library
+from indexer.store.stored_library import FILE, FOLDER, Caption, StoredLibrary
 from tests.indexer.folders import SmallBundle, moving, write
 
 
@@ -43,24 +43,24 @@ def folder(tmp_path, bundle, in_process):
 
 @pytest.fixture
 def library(folder, bundle):
-    with Library.open(folder, bundle=bundle) as opened:
+    with StoredLibrary.open(folder, bundle=bundle) as opened:
         yield opened
 
 
 def test_a_library_is_opened_by_the_indexed_folder_or_by_its_own(folder, bundle):
     for place in (folder, str(folder), folder / FOLDER):
-        with Library.open(place) as library:
+        with StoredLibrary.open(place) as library:
             assert len(library) == 4
             assert library.roots == [folder]
 
 
 def test_opening_a_folder_without_a_library_says_what_to_do(tmp_path):
     with pytest.raises(LibraryError, match=r"no library here; make one with 'motionseek index "):
-        Library.open(tmp_path)
+        StoredLibrary.open(tmp_path)
 
 
 def test_an_empty_library_answers(tmp_path):
-    with Library.open(tmp_path / "new", create=True) as library:
+    with StoredLibrary.open(tmp_path / "new", create=True) as library:
         assert len(library) == 0
         assert library.ids().tolist() == []
         assert library.nearest_clips(np.zeros((1, 16), np.float32), 2)[1].tolist() == [[-1, -1]]
@@ -187,7 +187,7 @@ def test_conditions_on_clips_are_bound_and_never_pasted(library):
 
 def test_another_model_is_refused_and_the_message_says_what_to_do(folder):
     with pytest.raises(BundleMismatch, match=r"made with the model small .* not with other .* --rebuild"):
-        Library.open(folder, bundle=SmallBundle("other"))
+        StoredLibrary.open(folder, bundle=SmallBundle("other"))
 
 
 def test_stats_and_failures_tell_what_is_there(library):
@@ -232,12 +232,12 @@ def test_threads_can_share_a_library(library, bundle):
 
 
 def test_vector_files_may_be_deleted_and_come_back(folder, bundle):
-    with Library.open(folder, bundle=bundle) as library:
+    with StoredLibrary.open(folder, bundle=bundle) as library:
         query = bundle.encode_motions([library.motion(1)])
         want = library.nearest_windows(query, 20)
     for path in sorted((folder / FOLDER / "vectors").rglob("*"), reverse=True):
         path.rmdir() if path.is_dir() else path.unlink()
-    with Library.open(folder, bundle=bundle) as library:
+    with StoredLibrary.open(folder, bundle=bundle) as library:
         for got, expected in zip(library.nearest_windows(query, 20), want, strict=True):
             np.testing.assert_array_equal(got, expected)
     assert len(list((folder / FOLDER / "vectors").iterdir())) == 1
@@ -248,7 +248,7 @@ def test_vector_files_of_a_library_that_lay_here_before_are_not_used(folder, bun
         path.unlink()
     write(folder / "walk.npy", 50)
     indexing.index(folder, bundle=bundle)
-    with Library.open(folder, bundle=bundle) as library:
+    with StoredLibrary.open(folder, bundle=bundle) as library:
         query = bundle.encode_motions([Motion(moving(50).astype(np.float32))])
         scores, ids = library.nearest_clips(query, 1)
         assert library.clip(ids[0, 0]).path == "walk.npy"
@@ -257,7 +257,7 @@ def test_vector_files_of_a_library_that_lay_here_before_are_not_used(folder, bun
 
 def test_an_indexed_folder_can_be_renamed_with_its_library(folder, bundle):
     moved = folder.rename(folder.parent / "renamed")
-    with Library.open(moved, bundle=bundle) as library:
+    with StoredLibrary.open(moved, bundle=bundle) as library:
         assert library.roots == [moved]
         assert library.find("walk").file.is_file()
     assert indexing.index(moved, bundle=bundle).unchanged == 4
@@ -266,20 +266,20 @@ def test_an_indexed_folder_can_be_renamed_with_its_library(folder, bundle):
 def test_a_damaged_library_is_an_error_that_says_so(tmp_path):
     (tmp_path / FILE).write_bytes(b"no database at all" * 100)
     with pytest.raises(LibraryError, match="cannot be opened as a library"):
-        len(Library.open(tmp_path))
+        len(StoredLibrary.open(tmp_path))
 
 
 def test_a_library_of_a_newer_program_is_refused(tmp_path):
-    Library.open(tmp_path, create=True).close()
+    StoredLibrary.open(tmp_path, create=True).close()
     connection = schema.connect(tmp_path / FILE, writable=True)
     connection.execute("PRAGMA user_version = 99")
     connection.close()
     with pytest.raises(LibraryError, match="written by a newer motionseek"):
-        len(Library.open(tmp_path))
+        len(StoredLibrary.open(tmp_path))
 
 
 def test_migrations_run_once_and_in_order(tmp_path, monkeypatch):
-    Library.open(tmp_path, create=True).close()
+    StoredLibrary.open(tmp_path, create=True).close()
     ran = []
     monkeypatch.setattr(schema, "MIGRATIONS", [*schema.MIGRATIONS, lambda db: ran.append("second")])
     for _ in range(2):
@@ -290,7 +290,7 @@ def test_migrations_run_once_and_in_order(tmp_path, monkeypatch):
 
 
 def test_a_closed_library_answers_no_more(folder):
-    library = Library.open(folder)
+    library = StoredLibrary.open(folder)
     library.close()
     with pytest.raises(LibraryError, match="is closed"):
         len(library)

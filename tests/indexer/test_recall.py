@@ -6,7 +6,7 @@ import pytest
 
 from indexer.ingest.indexing import index
 from indexer.ingest.unindexed import read_as_known, recipe_of
-from indexer.store.stored_library import Library
+from indexer.store.stored_library import StoredLibrary
 from tests.indexer.folders import SmallBundle, write
 
 
@@ -19,7 +19,7 @@ def root(tmp_path):
 
 
 def duration(root, path, **given):
-    with Library.open(root) as library:
+    with StoredLibrary.open(root) as library:
         return pytest.approx(read_as_known(library, path, **given).duration, abs=0.15)
 
 
@@ -57,7 +57,7 @@ def test_content_that_was_read_in_two_ways_says_nothing(root, tmp_path):
     shutil.copy(root / "1.npy", root / "twin.npy")
     (root / "captions.csv").write_text("path,fps\n1.npy,40\n")
     index(root, bundle=SmallBundle(), jobs=1)
-    with Library.open(root) as library:
+    with StoredLibrary.open(root) as library:
         assert recipe_of(library, tmp_path / "nowhere.npy") is None
         assert recipe_of(library, root / "1.npy").fps == 40
         assert recipe_of(library, write(tmp_path / "copy.npy", 1)) is None
@@ -71,7 +71,7 @@ def test_a_motion_is_known_by_its_content_with_its_skeleton(root, tmp_path, moca
         shutil.copy(amc, folder / "walk.amc")
         shutil.copy(next(amc.parent.glob("*.asf")), folder / "walk.asf")
     index(root, bundle=SmallBundle(), jobs=1, fps=30)
-    with Library.open(root) as library:
+    with StoredLibrary.open(root) as library:
         assert recipe_of(library, away / "walk.amc").fps == 30
         found = library.find("walk").duration
     assert duration(root, away / "walk.amc") == found

@@ -5,19 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.composition.synthetic import Made
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.composition.synthetic import SyntheticClip
+from encoders.corpus.scene import ActionStep, Scene
 from search.ranking import strength
 from search.ranking.calibration import calibrate
 from tests.search.answers import SENTENCES, KnownAnswers
 
 
-def clip(kind: int, seed: int) -> Made:
+def clip(kind: int, seed: int) -> SyntheticClip:
     """Mostly of its kind, with something of all others."""
     rows = np.random.default_rng(seed).uniform(0, 0.5, size=(10, len(SENTENCES))).astype(np.float32)
     rows[:, kind] += 1
     action = f"kind{kind}"
-    return Made(rows, Scene(((Step(action),),)), ((0.0, 1.0),), (SENTENCES[kind],), (frozenset({action}),), ())
+    return SyntheticClip(
+        rows, Scene(((ActionStep(action),),)), ((0.0, 1.0),), (SENTENCES[kind],), (frozenset({action}),), ()
+    )
 
 
 @pytest.fixture
@@ -46,8 +48,8 @@ def test_right_hits_are_strong_and_nonsense_is_weak(calibration: dict[str, np.nd
 
 def test_sentences_in_foreign_words_are_doubted(calibration: dict[str, np.ndarray]) -> None:
     bundle = KnownAnswers(calibration)
-    assert strength.temper(bundle, ["one"], ["strong"]) == ["strong"]  # type: ignore[arg-type]
-    assert strength.temper(bundle, ["lorem ipsum"], ["strong"]) == ["plausible"]  # type: ignore[arg-type]
+    assert strength.downgrade(bundle, ["one"], ["strong"]) == ["strong"]  # type: ignore[arg-type]
+    assert strength.downgrade(bundle, ["lorem ipsum"], ["strong"]) == ["plausible"]  # type: ignore[arg-type]
 
 
 def test_a_motion_is_judged_by_other_motions_never_by_itself(calibration: dict[str, np.ndarray]) -> None:

@@ -5,19 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.composition.synthetic import Made
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.composition.synthetic import SyntheticClip
+from encoders.corpus.scene import ActionStep, Scene
 from search.evaluate import corpus_retrieval
 from search.evaluate.corpus_retrieval import evaluate_corpus
 from tests.search.answers import SENTENCES, KnownAnswers
 
 
-def clip(shown: int, said: int, *swapped: int) -> Made:
+def clip(shown: int, said: int, *swapped: int) -> SyntheticClip:
     """A clip of one kind whose caption names another, perhaps; each kind is an action of its own."""
     rows = np.tile(np.eye(len(SENTENCES), dtype=np.float32)[shown], (10, 1))
-    scene = Scene(((Step(f"kind{said}"),),))
+    scene = Scene(((ActionStep(f"kind{said}"),),))
     meaning = frozenset({f"kind{said}"})
-    return Made(rows, scene, ((0.0, 1.0),), (SENTENCES[said],), (meaning,), tuple(SENTENCES[s] for s in swapped))
+    return SyntheticClip(
+        rows, scene, ((0.0, 1.0),), (SENTENCES[said],), (meaning,), tuple(SENTENCES[s] for s in swapped)
+    )
 
 
 def test_a_model_that_knows_all_the_answers() -> None:
@@ -41,9 +43,11 @@ def test_a_model_that_takes_one_thing_for_the_other() -> None:
 
 def test_clips_of_which_the_sentence_is_also_true_count() -> None:
     walks = frozenset({"walk"})
-    one_walk = Made(np.eye(6, dtype=np.float32)[[2]], Scene(((Step("walk"),),)), (), ("one",), (walks,), ())
-    left = Made(
-        np.eye(6, dtype=np.float32)[[1]], Scene(((Step("walk", direction="left"),),)), (), ("four",), (walks,), ()
+    one_walk = SyntheticClip(
+        np.eye(6, dtype=np.float32)[[2]], Scene(((ActionStep("walk"),),)), (), ("one",), (walks,), ()
+    )
+    left = SyntheticClip(
+        np.eye(6, dtype=np.float32)[[1]], Scene(((ActionStep("walk", direction="left"),),)), (), ("four",), (walks,), ()
     )
     clips = [one_walk, left, *(clip(0, 0, 1) for _ in range(30))]
     figures = evaluate_corpus(clips, KnownAnswers())  # type: ignore[arg-type]

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.corpus.composition.long_takes import Happening, MarkedTake, marked_take
+from encoders.corpus.composition.long_takes import AnnotatedTake, Event, annotated_take
 from search.evaluate.moment_metrics import Overlaps
 from search.evaluate.moment_retrieval import evaluate_moments
 from search.evaluate.moment_tables import moment_tables
 from search.evaluate.sequence_questions import chain_overlap
-from search.evaluate.window_cache import RememberingBundle
+from search.evaluate.window_cache import CachedBundle
 from tests.search.answers import SENTENCES, KnownAnswers, motion
 from tests.search.conftest import Run, made_motion
 
@@ -59,13 +59,13 @@ def test_an_answer_where_nothing_is_true_is_wrong() -> None:
     assert found.recall(10, 0.1) == 0.0
 
 
-def taken(*kinds: int, seconds: float = 4.0) -> MarkedTake:
+def taken(*kinds: int, seconds: float = 4.0) -> AnnotatedTake:
     """A take that is of one kind after the other, told by the sentences that name the kinds."""
     happens = [
-        Happening(SENTENCES[kind], (seconds * i, seconds * (i + 1)), frozenset({SENTENCES[kind]}))
+        Event(SENTENCES[kind], (seconds * i, seconds * (i + 1)), frozenset({SENTENCES[kind]}))
         for i, kind in enumerate(kinds)
     ]
-    return marked_take(motion(*kinds, seconds=seconds), happens)
+    return annotated_take(motion(*kinds, seconds=seconds), happens)
 
 
 def test_a_model_that_knows_all_the_answers_finds_the_moments() -> None:
@@ -102,7 +102,7 @@ def test_a_moment_in_another_take_counts_where_it_is_true_but_not_as_the_own_tak
 
 def test_sentences_about_unseen_actions_are_counted_apart() -> None:
     known = taken(0, 1)
-    unseen = MarkedTake(known.motion, (replace(known.marked[0], unseen=True), known.marked[1]), known.happens)
+    unseen = AnnotatedTake(known.motion, (replace(known.marked[0], unseen=True), known.marked[1]), known.happens)
     found = evaluate_moments([unseen], KnownAnswers())  # type: ignore[arg-type]
     assert found["motionseek, unseen actions"]["questions"] == 1.0
     assert found["motionseek"]["questions"] == 2.0
@@ -117,7 +117,7 @@ def test_no_window_is_encoded_twice_for_many_sentences() -> None:
 
 def test_a_remembered_window_has_the_vector_the_bundle_gives() -> None:
     model, features = KnownAnswers(), KnownAnswers().features(motion(0, 1, 2, seconds=2.0))
-    remembering = RememberingBundle(model)  # type: ignore[arg-type]
+    remembering = CachedBundle(model)  # type: ignore[arg-type]
     whole = remembering.encode_windows(features, np.arange(40), 20)
     part = remembering.encode_windows(features[7:], np.arange(0, 30, 2), 20)
     assert np.array_equal(part, whole[7:37:2])
@@ -149,10 +149,10 @@ def test_tables_are_markdown() -> None:
 
 def test_the_command_prints_a_table_for_each_set(run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     happens = [
-        Happening(text, (2.0 * i, 2.0 * i + 2), frozenset({text})) for i, text in enumerate(("walks", "sits", "bows"))
+        Event(text, (2.0 * i, 2.0 * i + 2), frozenset({text})) for i, text in enumerate(("walks", "sits", "bows"))
     ]
     monkeypatch.setattr(
-        "search.evaluate.annotated_takes.composed", lambda count: [marked_take(made_motion(6.0, 0), happens)] * count
+        "search.evaluate.annotated_takes.composed", lambda count: [annotated_take(made_motion(6.0, 0), happens)] * count
     )
     np.save(tmp_path / "a.npy", made_motion(6.0, 1).joints)
     (tmp_path / "manifest.tsv").write_text(

@@ -10,8 +10,8 @@ import pytest
 
 from search.ranking.clip_scores import (
     WINDOW_MARGIN,
-    Evidence,
-    best_evidence,
+    ClipScore,
+    best_clips,
     best_spans,
     likeliest,
     likeliest_in_order,
@@ -55,8 +55,8 @@ class Gallery:
         return best, np.pad(np.array([i for i, _ in named])[order], missing, constant_values=-1)
 
 
-def _ask(gallery: Gallery, k: int, **more: Any) -> list[Evidence]:
-    return best_evidence(gallery, QUERY, k, **more)  # type: ignore[arg-type]
+def _ask(gallery: Gallery, k: int, **more: Any) -> list[ClipScore]:
+    return best_clips(gallery, QUERY, k, **more)  # type: ignore[arg-type]
 
 
 def test_a_short_action_in_a_long_clip_is_found_and_named() -> None:
@@ -68,7 +68,7 @@ def test_a_short_action_in_a_long_clip_is_found_and_named() -> None:
 
 def test_a_window_that_is_hardly_better_does_not_speak_for_the_clip() -> None:
     gallery = Gallery({1: 0.5}, [(1, 0, 2, 0.5 + WINDOW_MARGIN / 2)])
-    assert _ask(gallery, 1) == [Evidence(1, pytest.approx(0.5))]
+    assert _ask(gallery, 1) == [ClipScore(1, pytest.approx(0.5))]
 
 
 def test_one_clip_with_many_windows_does_not_keep_others_out() -> None:

@@ -14,7 +14,7 @@ from indexer.formats.table import read_take
 from indexer.ingest.load import load_motion
 from search.export import bvh_writer
 from search.export.cut import write_cut
-from search.source import Source
+from search.source import MotionSource
 from tests.search.conftest import made_motion
 
 
@@ -43,13 +43,13 @@ def _tumbling() -> Motion:
 
 def test_the_22_joint_rig_gives_back_every_joint(tmp_path: Path) -> None:
     motion = _tumbling()
-    write_cut(Source.of_motion(motion), tmp_path / "x.bvh")
+    write_cut(MotionSource.of_motion(motion), tmp_path / "x.bvh")
     assert np.abs(_joints(tmp_path / "x.bvh") - motion.joints).max() < 1e-5
 
 
 def test_bones_that_point_straight_against_the_rest_pose(tmp_path: Path) -> None:
     motion = Motion(made_motion(1, 1).joints * np.array([1, -1, 1], np.float32))
-    write_cut(Source.of_motion(motion), tmp_path / "x.bvh")
+    write_cut(MotionSource.of_motion(motion), tmp_path / "x.bvh")
     assert np.abs(_joints(tmp_path / "x.bvh") - motion.joints).max() < 1e-5
 
 
@@ -57,7 +57,7 @@ def test_a_cut_of_a_bvh_keeps_its_rig_its_rate_and_its_lines(tmp_path: Path) -> 
     whole, part = tmp_path / "whole.bvh", tmp_path / "part.bvh"
     with whole.open("wb") as file:
         bvh_writer.write(file, made_motion(6, 3))
-    frames, fps = write_cut(Source.of_file(whole), part, 1.5, 4.0)
+    frames, fps = write_cut(MotionSource.of_file(whole), part, 1.5, 4.0)
     assert (frames, fps) == (50, 20.0)
     lines = whole.read_text().splitlines()
     first = next(i for i, line in enumerate(lines) if line.startswith("Frame Time")) + 1
@@ -66,7 +66,7 @@ def test_a_cut_of_a_bvh_keeps_its_rig_its_rate_and_its_lines(tmp_path: Path) -> 
 
 
 def test_a_cut_of_a_real_bvh_reads_as_the_same_movement(mocap: Path, tmp_path: Path) -> None:
-    source = Source.of_file(mocap / "cmu/daz/11/11_01.bvh")
+    source = MotionSource.of_file(mocap / "cmu/daz/11/11_01.bvh")
     write_cut(source, tmp_path / "cut.bvh", 1.0, 2.5)
     cut, whole = load_motion(tmp_path / "cut.bvh").joints, source.motion.crop(1.0, 2.5).joints
     assert abs(len(cut) - len(whole)) <= 1
@@ -78,7 +78,7 @@ def test_a_cut_of_a_real_bvh_reads_as_the_same_movement(mocap: Path, tmp_path: P
 @pytest.mark.parametrize("ending", [".npy", ".npz"])
 def test_arrays_hold_the_frames_of_the_cut(tmp_path: Path, ending: str) -> None:
     motion = made_motion(5, 2)
-    write_cut(Source.of_motion(motion), tmp_path / f"cut{ending}", 1.0, 2.0)
+    write_cut(MotionSource.of_motion(motion), tmp_path / f"cut{ending}", 1.0, 2.0)
     loaded = np.load(tmp_path / f"cut{ending}")
     joints = loaded if ending == ".npy" else loaded["joints"]
     np.testing.assert_array_equal(joints, motion.joints[20:40])
@@ -87,7 +87,7 @@ def test_arrays_hold_the_frames_of_the_cut(tmp_path: Path, ending: str) -> None:
 @pytest.mark.parametrize("ending", [".npy", ".npz"])
 def test_what_was_written_is_read_as_the_same_movement(tmp_path: Path, ending: str) -> None:
     motion = made_motion(5, 2)
-    write_cut(Source.of_motion(motion), tmp_path / f"cut{ending}")
+    write_cut(MotionSource.of_motion(motion), tmp_path / f"cut{ending}")
     take = read_take(tmp_path / f"cut{ending}")
     assert (take.names, take.fps) == (JOINTS, motion.fps)
     np.testing.assert_array_equal(take.positions, motion.joints)
@@ -101,11 +101,11 @@ def test_frames_that_share_lines_cannot_be_cut(tmp_path: Path) -> None:
     head, _, numbers = path.read_text().rpartition("Frame Time: 0.05\n")
     path.write_text(head + "Frame Time: 0.05\n" + " ".join(numbers.split()))
     with pytest.raises(QueryError, match="one a line"):
-        write_cut(Source.of_file(path), tmp_path / "cut.bvh", 0.5, 1.0)
+        write_cut(MotionSource.of_file(path), tmp_path / "cut.bvh", 0.5, 1.0)
     assert not (tmp_path / "cut.bvh").exists()
 
 
 def test_a_cut_outside_the_motion_is_refused(tmp_path: Path) -> None:
     with pytest.raises(QueryError, match="outside"):
-        write_cut(Source.of_motion(made_motion(2, 0), "x"), tmp_path / "x.npy", 5, 6)
+        write_cut(MotionSource.of_motion(made_motion(2, 0), "x"), tmp_path / "x.npy", 5, 6)
     assert list(tmp_path.iterdir()) == []

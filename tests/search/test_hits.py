@@ -9,17 +9,17 @@ import pytest
 
 from encoders.bundle.bundle import Bundle
 from search.hits import Hit, Hits
-from search.library import SearchableLibrary
+from search.library import Library
 from search.moments import one_take
 from search.moments.localisation import Moment
 
 
 @pytest.fixture
-def library(indexed: Path, tiny_bundle: Path) -> SearchableLibrary:
-    return SearchableLibrary.open(indexed, bundle=Bundle.load(tiny_bundle, threads=1))
+def library(indexed: Path, tiny_bundle: Path) -> Library:
+    return Library.open(indexed, bundle=Bundle.load(tiny_bundle, threads=1))
 
 
-def test_every_question_answers_with_hits_that_show_themselves(library: SearchableLibrary) -> None:
+def test_every_question_answers_with_hits_that_show_themselves(library: Library) -> None:
     with library:
         for found in (
             library.search("walks", 3),
@@ -34,7 +34,7 @@ def test_every_question_answers_with_hits_that_show_themselves(library: Searchab
             assert html.count("<script>") == 1
 
 
-def test_a_hit_shows_its_own_span(library: SearchableLibrary) -> None:
+def test_a_hit_shows_its_own_span(library: Library) -> None:
     with library:
         hit = one_take.hit(1, library.source("take 3"), Moment(2.0, 5.5, 0.4), "")
         assert hit.read is not None
@@ -44,7 +44,7 @@ def test_a_hit_shows_its_own_span(library: SearchableLibrary) -> None:
     assert f"{hit.start:.1f}–{hit.end:.1f} s" in html
 
 
-def test_after_the_library_is_closed_only_text_is_left(library: SearchableLibrary) -> None:
+def test_after_the_library_is_closed_only_text_is_left(library: Library) -> None:
     with library:
         found = library.search("walks", 2)
     assert found[0]._repr_html_() is None
@@ -57,13 +57,13 @@ def test_a_hit_of_nothing_that_can_be_read_is_text() -> None:
     assert "read" not in repr(hit)
 
 
-def test_hits_are_equal_when_they_say_the_same(library: SearchableLibrary) -> None:
+def test_hits_are_equal_when_they_say_the_same(library: Library) -> None:
     with library:
         assert library.search("walks", 2) == library.search("walks", 2)
         assert dataclasses.asdict(library.search("walks", 1)[0])["rank"] == 1
 
 
-def test_a_long_list_says_how_many_it_leaves_out(library: SearchableLibrary) -> None:
+def test_a_long_list_says_how_many_it_leaves_out(library: Library) -> None:
     with library:
         html = Hits(library.search("walks", 1) * 30)._repr_html_()
     assert html is not None

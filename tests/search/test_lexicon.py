@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from search.query.known_words import foreign_share, lexicon
+from search.query.known_words import lexicon, out_of_vocabulary_share
 
 KNOWN = lexicon(
     ["a person walks forward", "walk", "someone is dancing", "he raises the left arm, then waves", "circle"]
@@ -26,11 +26,11 @@ KNOWN = lexicon(
     ],
 )
 def test_the_share_of_foreign_words(sentence: str, share: float) -> None:
-    assert foreign_share(sentence, KNOWN) == share
+    assert out_of_vocabulary_share(sentence, KNOWN) == share
 
 
 def test_short_words_are_not_cut_to_what_they_are_not() -> None:
-    assert foreign_share("bus", lexicon(["bu"])) == 1
+    assert out_of_vocabulary_share("bus", lexicon(["bu"])) == 1
 
 
 def test_words_are_sorted_and_distinct() -> None:
@@ -38,4 +38,4 @@ def test_words_are_sorted_and_distinct() -> None:
 
 
 def test_without_words_everything_is_foreign() -> None:
-    assert foreign_share("walks", lexicon([])) == 1
+    assert out_of_vocabulary_share("walks", lexicon([])) == 1

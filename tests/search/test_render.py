@@ -11,7 +11,7 @@ from search.cli.terminal import strip
 from search.drawing.plots import plot_moments, plot_poses
 from search.hits import Hit, Step
 from search.query.question import Question
-from search.source import Source
+from search.source import MotionSource
 from tests.search.conftest import made_motion
 
 
@@ -27,7 +27,7 @@ def test_a_strip_of_poses(tmp_path: Path) -> None:
 
 
 def test_similarity_over_time_with_steps(tmp_path: Path) -> None:
-    source = Source.of_motion(made_motion(8, 0), "take.bvh")
+    source = MotionSource.of_motion(made_motion(8, 0), "take.bvh")
     steps = (Step("walks", 1, 3, 0.5), Step("sits", 4, 6, 0.4))
     hit = Hit(1, "take.bvh", 0.45, "", 1, 6, 8, steps=steps)
     times = np.linspace(0, 8, 80)

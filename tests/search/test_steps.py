@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from encoders.errors import QueryError
-from search.moments.sequences import best_chain, candidates, sharpen_chain
+from search.moments.sequences import best_chain, candidates, refine_chain
 from search.query.question import Question
 from search.query.steps import GAP_COST, LARGEST_GAP_COST, in_order, split
 from search.spans import iou
@@ -81,7 +81,7 @@ def test_steps_are_found_in_order_even_where_each_alone_fits_better_elsewhere() 
     features = take(60, (5, 8, 2), (20, 23, 1), (24, 27, 2), (27.5, 31, 3), (50, 53, 3))
     features[50:80, 2] += 1  # the second step is clearest before the first
     chain = best_chain(candidates(MeanEncoder(), features, FPS, query(1, 2, 3)))
-    chain = sharpen_chain(MeanEncoder(), lambda start, end: (features, 0.0), FPS, query(1, 2, 3), chain, [0.0] * 3)
+    chain = refine_chain(MeanEncoder(), lambda start, end: (features, 0.0), FPS, query(1, 2, 3), chain, [0.0] * 3)
     truth = [(20, 23), (24, 27), (27.5, 31)]
     assert all(iou([m.start], [m.end], a, b)[0] > 0.7 for m, (a, b) in zip(chain, truth, strict=True))
     assert all(before.end <= after.start for before, after in itertools.pairwise(chain))

@@ -59,10 +59,10 @@ def test_a_sentence_in_words_that_nobody_uses_of_motion_is_doubted(
     bundle: Any, sentence: str, judged: list[str]
 ) -> None:
     said = ["strong", "plausible", "weak"]
-    assert strength.temper(bundle, [sentence], said) == said, "a calibration without words doubts nothing"
+    assert strength.downgrade(bundle, [sentence], said) == said, "a calibration without words doubts nothing"
     bundle.calibration["words"] = lexicon(["a person walks slowly"])
-    assert strength.temper(bundle, [sentence], said) == judged
-    assert strength.temper(bundle, ["a person walks", sentence], said) == judged, "one of several is enough"
+    assert strength.downgrade(bundle, [sentence], said) == judged
+    assert strength.downgrade(bundle, ["a person walks", sentence], said) == judged, "one of several is enough"
 
 
 def test_the_fit_recovers_a_known_curve() -> None:

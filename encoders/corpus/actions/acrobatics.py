@@ -13,7 +13,7 @@ from encoders.corpus.engine.posing import OFFSETS, rotation, turn
 from encoders.corpus.engine.posing import pose as pose_body
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import duration
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.skeleton import INDEX
 
 _TRUNK = [INDEX[name] for name in ("pelvis", "spine3", "neck", "head", "left_foot", "right_foot")]
@@ -39,7 +39,7 @@ def _keep_above_ground(curves: Curves, weight: Array) -> None:
 
 
 @program("somersault", group="sport", directions=("forward", "backward"), counts=(1, 2), weight=1)
-def somersault(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def somersault(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Roll head over heels on the ground and stand up."""
     way = -1.0 if step.direction == "backward" else 1.0
     count = step.count or 1
@@ -74,7 +74,7 @@ def somersault(step: Step, manner: Manner, rng: Generator, frames: int) -> Curve
 
 
 @program("cartwheel", group="sport", directions=("left", "right"), counts=(1, 2), weight=1)
-def cartwheel(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def cartwheel(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Turn sideways over the hands, legs straight and apart."""
     sign = 1.0 if (step.direction or rng.choice(["left", "right"])) == "left" else -1.0
     frames = duration(2.4, step, manner, rng, frames)
@@ -116,7 +116,7 @@ def cartwheel(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves
 
 
 @program("handstand", group="sport", weight=0.8)
-def handstand(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def handstand(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Kick up onto the hands, stay a while, come down."""
     frames = duration(3.6, step, manner, rng, frames)
     hands = (0.2, 0.07, 0.62)
@@ -143,7 +143,7 @@ def handstand(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves
 
 
 @program("backflip", group="sport", directions=("backward", "forward"), weight=0.5)
-def backflip(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def backflip(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Jump and turn over in the air, backward (or forward), and land on the feet."""
     way = 1.0 if step.direction == "forward" else -1.0
     frames = duration(2.4, step, manner, rng, frames)

@@ -11,11 +11,11 @@ from encoders.corpus.engine.curves import ANKLE, HIP, LEFT, RIGHT, SIDES, STAND,
 from encoders.corpus.engine.key_poses import STANDING, down_and_up, perform, pose, repeated, waver
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import duration
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 
 
 @program("bend forward", group="posture", amplitudes=AMPLITUDES, counts=(1, 4), weight=1.5)
-def bend_forward(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def bend_forward(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Bend far down, hands to the toes, shins or knees, and come up."""
     depth = rng.uniform(*{"small": (0.7, 1.0), "": (1.0, 1.9), "large": (1.8, 2.2)}[step.amplitude])
     knees = rng.uniform(0.0, 0.12)
@@ -30,7 +30,7 @@ def bend_forward(step: Step, manner: Manner, rng: Generator, frames: int) -> Cur
     "lean", group="posture", parts={"spine", "head"}, directions=("left", "right", "forward", "backward"),
     amplitudes=AMPLITUDES, counts=(1, 4), weight=1.5,
 )  # fmt: skip
-def lean(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def lean(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Lean the upper body to a side, forward or back."""
     count = step.count or 1
     frames = duration(2.2 * count, step, manner, rng, frames)
@@ -52,7 +52,7 @@ def lean(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("twist torso", group="exercise", parts=TORSO, directions=("left", "right"), counts=(1, 8), weight=1)
-def twist_torso(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def twist_torso(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Turn the upper body to a side, or to both in turn."""
     count = step.count or (1 if step.direction else int(rng.integers(2, 6)))
     frames = duration(1.6 * count, step, manner, rng, frames)
@@ -81,7 +81,7 @@ HANG = (0.2, -0.9, 0.15)
     directions=("forward", "left", "right", "backward"),
     counts=(1, 5),
 )
-def lunge(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def lunge(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """A long step with one leg, its knee bent deeply, and back."""
     toward = step.direction or "forward"
     leg = {"left": LEFT, "right": RIGHT}.get(toward, SIDES.get(step.side, int(rng.integers(2))))
@@ -127,7 +127,7 @@ def lunge(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("dodge", group="posture", directions=("left", "right", "backward"), counts=(1, 3), weight=1)
-def dodge(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def dodge(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Get the body out of the way quickly, hands up."""
     toward = step.direction or str(rng.choice(["left", "right", "backward"]))
     sign = {"left": 1.0, "right": -1.0}.get(toward, 0.0)
@@ -142,7 +142,7 @@ def dodge(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("balance on one leg", group="posture", sides=("left", "right"), weight=1.5)
-def balance_on_one_leg(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def balance_on_one_leg(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Stand on the named leg, the other raised, arms out to keep the balance."""
     frames = duration(4.0, step, manner, rng, frames)
     on = step.side or str(rng.choice(["left", "right"]))

@@ -11,7 +11,7 @@ from encoders.corpus.engine.curves import TORSO, Array, Curves, ease, hold, stan
 from encoders.corpus.engine.key_poses import repeated
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import duration
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 _DEPTH = {"small": (0.24, 0.55), "": (0.28, 1.4), "large": (1.05, 1.6)}  #: radians
@@ -20,7 +20,7 @@ _THIGHS, _CLASPED, _HIPS = (-0.12, -0.82, 0.26), (-0.32, -0.7, 0.3), (0.3, -0.6,
 
 
 @program("bow", group="posture", parts=TORSO, amplitudes=AMPLITUDES, counts=(1, 3), weight=3)
-def bow(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def bow(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Bend at the waist and come up again, once or more."""
     count = step.count or 1
     once = rng.uniform(1.3, 2.2) if rng.random() < 0.4 else rng.uniform(2.0, 3.8)

@@ -13,12 +13,12 @@ from encoders.corpus.engine.gait import PAD, Course, Gait, plant, step_along
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import tempo
 from encoders.corpus.engine.trajectories import AHEAD, effort, seconds, travel
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 
 @program("climb stairs", group="locomotion", parts=LEGS, directions=("up", "down"), weight=2)
-def climb_stairs(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def climb_stairs(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Walk up or down a flight of stairs, often with a few steps on the level at either end."""
     frames = frames or int(rng.uniform(3.0, 6.0) * FPS)
     down = step.direction == "down" or (not step.direction and rng.random() < 0.3)
@@ -47,7 +47,7 @@ def climb_stairs(step: Step, manner: Manner, rng: Generator, frames: int) -> Cur
 
 
 @program("climb ladder", group="locomotion", directions=("up", "down"), weight=1.5)
-def climb_ladder(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def climb_ladder(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Climb rungs hand over hand, a foot and the other hand at a time."""
     frames = frames or int(rng.uniform(3.0, 6.0) * FPS)
     pace = tempo(step, rng) * manner.factor("pace")
@@ -86,7 +86,7 @@ def climb_ladder(step: Step, manner: Manner, rng: Generator, frames: int) -> Cur
 
 
 def _obstacle(
-    step: Step, manner: Manner, rng: Generator, frames: int, *, lift: float, level: float, settle: float
+    step: ActionStep, manner: Manner, rng: Generator, frames: int, *, lift: float, level: float, settle: float
 ) -> Curves:
     """Walk up to an obstacle and over it (both feet raised by `lift`) or onto it (`level` above the ground)."""
     frames = frames or int(rng.uniform(3.0, 4.5) * FPS)
@@ -112,21 +112,21 @@ def _obstacle(
 
 
 @program("step over", group="locomotion", directions=AHEAD[:3], heights=("low", "high"), weight=1.5)
-def step_over(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def step_over(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Walk and step over something on the ground."""
     lift = rng.uniform(*{"low": (0.15, 0.25), "": (0.2, 0.45), "high": (0.4, 0.55)}[step.height])
     return _obstacle(step, manner, rng, frames, lift=lift, level=0.0, settle=0.0)
 
 
 @program("step up", group="locomotion", directions=("forward",), heights=("low", "high"), weight=1.5)
-def step_up(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def step_up(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Walk up to something, step onto it and stand there."""
     level = rng.uniform(*{"low": (0.12, 0.2), "": (0.18, 0.35), "high": (0.3, 0.45)}[step.height])
     return _obstacle(step, manner, rng, frames, lift=0.1, level=level, settle=1.0)
 
 
 @program("step down", group="locomotion", directions=("forward",), weight=1.0)
-def step_down(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def step_down(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Step down from something and walk on."""
     level = rng.uniform(0.15, 0.35)
     curves = _obstacle(step, manner, rng, frames, lift=0.04, level=-level, settle=0.0)
@@ -136,7 +136,7 @@ def step_down(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves
 
 
 def _creep(
-    step: Step, manner: Manner, rng: Generator, frames: int, *, speed: float, rate: float
+    step: ActionStep, manner: Manner, rng: Generator, frames: int, *, speed: float, rate: float
 ) -> tuple[Course, Array, Gait]:
     frames = frames or int(rng.uniform(3.0, 6.0) * FPS)
     gait = Gait(speed=speed, cadence=rate)
@@ -155,7 +155,7 @@ def _creep(
     "crawl", group="locomotion", directions=("forward", "backward", "left", "right", "around"), weight=2,
     starts="floor", ends="floor",
 )  # fmt: skip
-def crawl(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def crawl(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Crawl on hands and knees; sometimes on hands and feet, like a bear."""
     course, phase, _ = _creep(step, manner, rng, frames, speed=rng.uniform(0.35, 0.7), rate=rng.uniform(1.6, 2.4))
     keep = slice(PAD, -PAD)
@@ -187,7 +187,7 @@ def crawl(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("army crawl", group="locomotion", directions=("forward",), starts="floor", ends="floor")
-def army_crawl(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def army_crawl(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Crawl flat on the belly on the forearms, a knee drawn up at a time."""
     course, phase, _ = _creep(step, manner, rng, frames, speed=rng.uniform(0.2, 0.45), rate=rng.uniform(1.2, 1.8))
     keep = slice(PAD, -PAD)
@@ -220,7 +220,7 @@ def army_crawl(step: Step, manner: Manner, rng: Generator, frames: int) -> Curve
 
 
 @program("climb over", group="locomotion", directions=("forward",), heights=("low", "high"))
-def climb_over(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def climb_over(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Put the hands on something waist-high, swing one leg after the other over it and stand behind it."""
     frames = frames or frames_of(rng.uniform(2.8, 4.2) / tempo(step, rng))
     wall = rng.uniform(0.6, 0.95) * {"low": 0.75, "": 1.0, "high": 1.15}[step.height]

@@ -12,11 +12,11 @@ from encoders.corpus.engine.curves import LEGS, Array, Curves
 from encoders.corpus.engine.gait import PAD, Gait, step_along
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.trajectories import integrate, travel
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 
-def _walk_facing(step: Step, manner: Manner, rng: Generator, frames: int, angle: Array) -> Curves:
+def _walk_facing(step: ActionStep, manner: Manner, rng: Generator, frames: int, angle: Array) -> Curves:
     """Walk so that the heading follows a curve (K,) of angles, spread evenly over the way."""
     gait = Gait(speed=rng.uniform(1.0, 1.5), cadence=rng.uniform(1.7, 2.1))
     course, gait = travel(replace(step, direction="forward"), gait, manner, rng, frames)
@@ -27,7 +27,7 @@ def _walk_facing(step: Step, manner: Manner, rng: Generator, frames: int, angle:
 
 
 @program("walk half circle", group="locomotion", parts=LEGS, directions=("left", "right"), weight=1.2)
-def walk_half_circle(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def walk_half_circle(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Walk an arc round to the left or right until facing back, with or without a straight run to either side."""
     side = {"left": 1.0, "right": -1.0}.get(step.direction, float(rng.choice([-1.0, 1.0])))
     lead, tail = rng.uniform(0.0, 0.2, 2)
@@ -37,7 +37,7 @@ def walk_half_circle(step: Step, manner: Manner, rng: Generator, frames: int) ->
 
 
 @program("walk figure eight", group="locomotion", parts=LEGS, weight=1.2)
-def walk_figure_eight(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def walk_figure_eight(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Walk one loop to a side and one to the other, the ways crossing in the middle."""
     first = rng.uniform(0.44, 0.56)
     share = np.linspace(0.0, 1.0, 120)

@@ -11,7 +11,7 @@ from encoders.corpus.engine.curves import ANKLE, HIP, Array, Curves, ease
 from encoders.corpus.engine.key_poses import STANDING, perform, pose
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import duration
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 _SIDES = ("backward", "forward", "left", "right")
@@ -81,7 +81,7 @@ def _down(way: str, rng: Generator) -> list[Array]:
 
 
 @program("lie down", group="posture", directions=_SIDES, ends="floor", weight=2)
-def lie_down(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def lie_down(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Get down and lie on the back (backward), the belly (forward) or a side."""
     way = step.direction or str(rng.choice(_SIDES, p=[0.55, 0.25, 0.1, 0.1]))
     first, second = _down(way, rng)
@@ -91,7 +91,7 @@ def lie_down(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("get up", group="posture", directions=_SIDES, starts="floor", weight=2)
-def get_up(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def get_up(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Rise from lying on the back (backward), the belly (forward) or a side to standing."""
     way = step.direction or str(rng.choice(_SIDES, p=[0.55, 0.25, 0.1, 0.1]))
     first, second = _down(way, rng)
@@ -101,7 +101,7 @@ def get_up(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("lie", group="posture", directions=_SIDES, starts="floor", ends="floor")
-def lie(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def lie(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Lie still."""
     frames = duration(3.5, step, manner, rng, frames)
     row = _lying(step.direction or str(rng.choice(_SIDES)), rng)
@@ -112,7 +112,7 @@ def lie(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("fall", group="posture", directions=_SIDES, ends="floor", weight=2)
-def fall(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def fall(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Fall to the ground, forward, backward or to a side, and stay there; sometimes get up."""
     way = step.direction or str(rng.choice(_SIDES))
     lying = _lying(way, rng)
@@ -144,7 +144,7 @@ def fall(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("faint", group="posture", directions=("left", "right", "backward"), ends="floor", weight=0.7)
-def faint(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def faint(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Go limp: knees give way, the body sinks and lies."""
     way = step.direction or str(rng.choice(["backward", "left", "right"]))
     sign = {"left": 1.0, "right": -1.0}.get(way, 0.0)
@@ -164,7 +164,7 @@ def faint(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 @program(
     "roll over", group="posture", directions=("left", "right"), counts=(1, 3), starts="roll", ends="roll", weight=1
 )
-def roll_over(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def roll_over(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Roll over the ground, stretched out, about the body's long axis."""
     count = step.count or rng.choice([0.5, 1, 1, 2])
     sign = 1.0 if (step.direction or rng.choice(["left", "right"])) == "left" else -1.0

@@ -12,7 +12,7 @@ from encoders.corpus.engine.curves import ANKLE, HIP, LEFT, LEGS, RIGHT, SIDES, 
 from encoders.corpus.engine.gait import PAD, Gait, step_along, swing_arms
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.trajectories import TURN, effort, travel
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 _GRAVITY = 9.81
@@ -105,7 +105,7 @@ _RISE = {
     "jump", group="locomotion", directions=("up", "forward", "backward", "left", "right", "in place", "around"),
     amplitudes=AMPLITUDES, heights=("low", "high"), counts=(1, 6), weight=3,
 )  # fmt: skip
-def jump(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def jump(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Jump with both feet, once or several times."""
     count = step.count or int(rng.choice([1, 1, 2, 3]))
     far = {"small": 0.5, "": 1.0, "large": 1.5}[step.amplitude]
@@ -122,7 +122,7 @@ def jump(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("jump over", group="locomotion", directions=("forward", "left", "right"), heights=("low", "high"), weight=1.5)
-def jump_over(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def jump_over(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Jump over something with both feet, knees drawn up."""
     toward = TURN[step.direction]
     stride = rng.uniform(0.6, 1.3) * np.array([np.sin(toward), np.cos(toward)]) * (1.0 if not toward else 0.6)
@@ -133,7 +133,7 @@ def jump_over(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves
 
 
 @program("spin jump", group="locomotion", directions=("left", "right", "clockwise", "counterclockwise", "around"))
-def spin_jump(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def spin_jump(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Jump up and turn in the air."""
     side = {"left": 1, "counterclockwise": 1, "right": -1, "clockwise": -1}.get(step.direction, rng.choice([-1, 1]))
     degrees = {"left": 90, "right": 90, "around": 180}.get(step.direction, rng.choice([180, 360]))
@@ -152,7 +152,7 @@ def spin_jump(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves
     counts=(2, 8),
     weight=1.5,
 )
-def hop(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def hop(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Hop on one leg, the other held bent."""
     on = SIDES[step.side] if step.side else int(rng.integers(2))
     count = step.count or int(rng.integers(3, 8))
@@ -189,7 +189,7 @@ def hop(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 def _flights(
-    step: Step, gait: Gait, manner: Manner, rng: Generator, frames: int, *, count: int, height: float, over: float
+    step: ActionStep, gait: Gait, manner: Manner, rng: Generator, frames: int, *, count: int, height: float, over: float
 ) -> Curves:
     """Run and fly `count` times from one foot to the other, legs split; `over` raises the feet in flight."""
     air = 2 * np.sqrt(2 * height / _GRAVITY)
@@ -226,7 +226,7 @@ _RUN = Gait(
 
 
 @program("leap", group="locomotion", directions=("forward", "left", "right"), counts=(1, 3), weight=1.5)
-def leap(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def leap(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """A run-up and a long jump from one foot to the other."""
     gait = replace(_RUN, speed=rng.uniform(2.2, 3.6))
     height = rng.uniform(0.15, 0.4)
@@ -234,7 +234,7 @@ def leap(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("hurdle", group="sport", directions=("forward",), counts=(1, 3))
-def hurdle(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def hurdle(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Run over hurdles, knees high."""
     gait = replace(_RUN, speed=rng.uniform(3.0, 4.5), lean=0.3)
     return _flights(

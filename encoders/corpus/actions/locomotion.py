@@ -12,7 +12,7 @@ from encoders.corpus.engine.curves import LEFT, LEGS, RIGHT, SIDES, Curves, ease
 from encoders.corpus.engine.gait import PAD, Gait, step_along
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.trajectories import AHEAD, CURVED, STRAIGHT, go, seconds, travel
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 Range = tuple[float, float]
@@ -24,7 +24,7 @@ def _plain(gait: Gait, speed: Range, cadence: Range) -> Make:
     In whatever manner, who runs is no slower than who walks, and who sprints goes as fast as can be.
     """
 
-    def make(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+    def make(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
         own = _slowed(_own(gait, speed, cadence, rng), rng)
         if own.duty < 0.5:
             least = -0.15 if own.gains else -0.35
@@ -118,7 +118,7 @@ for _name, _gait, _speed, _cadence, _directions, _weight in _GAITS:
 
 
 @program("limp", group="locomotion", parts=LEGS, sides=("left", "right"), directions=AHEAD, weight=1.5)
-def limp(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def limp(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Walk sparing one leg: short stance on it, the body sinks and leans over it."""
     spared = (1 if step.side == "left" else -1) if step.side else rng.choice([-1, 1])
     manner = replace(manner, limp=spared * rng.uniform(0.8, 1.6), pace=manner.pace - 0.15)
@@ -130,7 +130,7 @@ def limp(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("drag leg", group="locomotion", parts=LEGS, sides=("left", "right"), directions=("forward",), weight=0.7)
-def drag_leg(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def drag_leg(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Walk with one leg stiff, its foot dragged over the ground."""
     curves = limp(step, replace(manner, stride=manner.stride - 0.15), rng, frames)
     lame = SIDES[step.side] if step.side else int(rng.integers(2))
@@ -142,7 +142,7 @@ def drag_leg(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("skip", group="locomotion", parts=LEGS, directions=("forward", "around", "left", "right"), weight=1.0)
-def skip(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def skip(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Step and hop on each foot in turn, knees high, arms swinging."""
     gait = Gait(speed=rng.uniform(1.5, 2.4), cadence=rng.uniform(1.7, 2.1), duty=0.56, lift=0.3, bob=0.0, arms=0.8)
     course, gait = travel(step, gait, manner, rng, frames or int(rng.uniform(2.0, 5.0) * FPS))
@@ -157,7 +157,7 @@ def skip(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 @program(
     "gallop", group="locomotion", parts=LEGS, sides=("left", "right"), directions=("forward", "left", "right", "around")
 )
-def gallop(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def gallop(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """One foot leads, the other closes behind it, with a flight in between."""
     offset = {"left": 0.3, "right": 0.7}.get(step.side, float(rng.choice([0.3, 0.7])))
     gait = Gait(
@@ -173,7 +173,7 @@ def gallop(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("stop suddenly", group="locomotion", parts=LEGS, directions=("forward",), weight=0.7)
-def stop_suddenly(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def stop_suddenly(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Run or walk and stop from one step to the next, the body thrown back, then forward."""
     frames = frames or int(rng.uniform(2.5, 4.5) * FPS)
     now, when = seconds(frames), frames / FPS * rng.uniform(0.5, 0.75)

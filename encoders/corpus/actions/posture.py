@@ -11,12 +11,12 @@ from encoders.corpus.engine.curves import ANKLE, HIP, LEFT, LEGS, RIGHT, Array, 
 from encoders.corpus.engine.key_poses import STANDING, down_and_up, perform, pose, waver
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import duration
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 
 @program("stand", group="posture", parts=LEGS, weight=2)
-def stand(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def stand(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Stand still, breathing and wavering a little."""
     frames = duration(3.5, step, manner, rng, frames)
     curves = standing(frames, LEGS)
@@ -31,7 +31,7 @@ def stand(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("shift weight", group="posture", parts=LEGS, sides=("left", "right"))
-def shift_weight(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def shift_weight(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Put the weight on one leg, then on the other; named: on that one only."""
     frames = duration(3.5, step, manner, rng, frames)
     curves = standing(frames, LEGS)
@@ -56,7 +56,7 @@ def shift_weight(step: Step, manner: Manner, rng: Generator, frames: int) -> Cur
     directions=("left", "right", "back and forth"),
     amplitudes=AMPLITUDES,
 )
-def sway(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def sway(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Rock the body from side to side (or forward and back), the feet where they are."""
     frames = duration(4.0, step, manner, rng, frames)
     curves = standing(frames, LEGS | {"spine"})
@@ -78,7 +78,7 @@ def sway(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("shiver", group="posture", styled=False)
-def shiver(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def shiver(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Tremble with cold, arms hugged around the body."""
     frames = duration(3.0, step, manner, rng, frames)
     hugged = pose(hands=(-0.42, -0.45, 0.42), spine=(0.3, 0, 0), head=(0.25, 0, 0), root=(0, 0.86, 0), shrug=0.25)
@@ -93,7 +93,7 @@ def shiver(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
     return curves
 
 
-def _seat(step: Step, rng: Generator) -> tuple[Array, bool]:
+def _seat(step: ActionStep, rng: Generator) -> tuple[Array, bool]:
     """A seated row, and whether it is on the floor."""
     floor = step.height == "low" or (not step.height and rng.random() < 0.15)
     hands = (rng.uniform(-0.1, 0.1), rng.uniform(-0.75, -0.5), rng.uniform(0.35, 0.6))
@@ -128,7 +128,7 @@ def _lowering(row: Array, floor: bool, rng: Generator) -> Array:
 
 
 @program("sit down", group="posture", heights=("low", "middle", "high"), ends="sit", weight=2.5)
-def sit_down(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def sit_down(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Sit down on a chair (height low: on the floor; high: on a stool) and stay."""
     row, floor = _seat(step, rng)
     frames = duration(3.2 if floor else 2.3, step, manner, rng, frames)
@@ -137,7 +137,7 @@ def sit_down(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("stand up", group="posture", heights=("low", "middle", "high"), starts="sit", weight=2)
-def stand_up(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def stand_up(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Rise from a chair (height low: from the floor) to standing."""
     row, floor = _seat(step, rng)
     frames = duration(3.0 if floor else 2.1, step, manner, rng, frames)
@@ -148,7 +148,7 @@ def stand_up(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("sit", group="posture", heights=("low", "middle"), starts="sit", ends="sit", weight=1.5)
-def sit(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def sit(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Sit still, with small changes of posture."""
     frames = duration(3.5, step, manner, rng, frames)
     row, _ = _seat(step, rng)
@@ -161,7 +161,7 @@ def sit(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("squat", group="posture", counts=(1, 6), amplitudes=AMPLITUDES, weight=1.5)
-def squat(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def squat(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Bend the knees deeply and come up, trunk nearly upright."""
     depth = rng.uniform(*{"small": (0.6, 0.72), "": (0.32, 0.6), "large": (0.25, 0.38)}[step.amplitude])
     wide = rng.uniform(1.0, 2.2) * HIP
@@ -176,7 +176,7 @@ def squat(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("crouch", group="posture", directions=("down",), weight=1.5)
-def crouch(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def crouch(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Get down low, trunk bent over the thighs, arms in front."""
     low = pose(
         root=(0, rng.uniform(0.3, 0.5), -0.12), pelvis=(0.5, 0, 0), spine=(rng.uniform(0.5, 0.9), 0, 0),
@@ -187,7 +187,7 @@ def crouch(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("duck", group="posture", directions=("down",), weight=1)
-def duck(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def duck(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Bend quickly at knees and trunk to let something pass overhead."""
     covered = rng.random() < 0.3
     low = pose(
@@ -198,7 +198,7 @@ def duck(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("kneel", group="posture", sides=("left", "right", "both"), heights=("low",), weight=1.5)
-def kneel(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def kneel(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Go down on one knee (the named side's) or on both; mostly up again."""
     side = step.side or str(rng.choice(["left", "right", "both"]))
     hands = [(0.13, -0.93, 0.1), (0.0, -0.6, 0.45), (-0.3, -0.35, 0.4)][int(rng.integers(3))]

@@ -1,6 +1,6 @@
 """The registry of action programs: what the corpus can act out, and with which particulars.
 
-A program is a function ``make(step, manner, rng, frames) -> Curves``: it acts out one `Step` for a canonical body
+A program is a function ``make(step, manner, rng, frames) -> Curves``: it acts out one `ActionStep` for a canonical body
 that begins at the origin, facing +Z. `frames` is a hint (0: as long as it takes). The decorator names it::
 
     @program("wave", group="gesture", parts={"right_arm"}, sides=("left", "right", "both"), counts=(2, 6))
@@ -18,9 +18,9 @@ from numpy.random import Generator
 
 from encoders.corpus.engine.curves import ARMS, BODY, Curves
 from encoders.corpus.engine.style import STYLES, Manner
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 
-Make = Callable[[Step, Manner, Generator, int], Curves]
+Make = Callable[[ActionStep, Manner, Generator, int], Curves]
 
 #: Modules that register programs when imported.
 MODULES = (
@@ -57,7 +57,7 @@ class Program:
     Attributes
     ----------
     name : str
-        What `Step.action` calls it.
+        What `ActionStep.action` calls it.
     make : callable
         ``make(step, manner, rng, frames) -> Curves``.
     group : str
@@ -142,7 +142,7 @@ def program_of(name: str) -> Program:
     return programs().get(name) or held_out_programs()[name]
 
 
-def parts_of(step: Step) -> frozenset[str]:
+def parts_of(step: ActionStep) -> frozenset[str]:
     """Parts of the body that a step needs; one arm where it names a side of an action of either arm.
 
     Raises
@@ -155,14 +155,14 @@ def parts_of(step: Step) -> frozenset[str]:
     return action.parts - {other} if action.sides and action.parts >= ARMS else action.parts
 
 
-def sample_step(action: Program, rng: Generator, *, detail: float = 0.5) -> Step:
+def sample_step(action: Program, rng: Generator, *, detail: float = 0.5) -> ActionStep:
     """A random step of this program: each field that it honours is filled with a chance of `detail`."""
 
     def draw(values: tuple[str, ...]) -> str:
         return str(rng.choice(values)) if values and rng.random() < detail else ""
 
     counts = action.counts
-    return Step(
+    return ActionStep(
         action.name,
         side=draw(action.sides),
         direction=draw(action.directions),

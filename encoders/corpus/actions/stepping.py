@@ -11,7 +11,7 @@ from encoders.corpus.engine.inbetweens import through
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import tempo
 from encoders.corpus.engine.trajectories import STRAIGHT, TURN
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 _SIDED = ("left", "right")
@@ -21,7 +21,7 @@ _SIDED = ("left", "right")
     "take steps", group="locomotion", parts=LEGS, sides=_SIDED, directions=STRAIGHT, amplitudes=AMPLITUDES,
     counts=(1, 8), weight=2.5,
 )  # fmt: skip
-def take_steps(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def take_steps(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """So many steps from standing, the body facing ahead; the last is mostly closed, sideways every one is."""
     count = step.count or int(rng.integers(1, 4))
     direction = step.direction or "forward"
@@ -92,7 +92,7 @@ def _swing_along(curves: Curves, size: float) -> None:
     "slide foot", group="exercise", parts=LEGS, sides=_SIDED, directions=("forward", "backward", "left", "right"),
     counts=(1, 5), weight=0.8,
 )  # fmt: skip
-def slide_foot(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def slide_foot(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """One foot glides out over the ground and back, the other knee bending or not; again and again."""
     aside = step.direction if step.direction in _SIDED else ""
     foot = SIDES[step.side or aside] if step.side or aside else int(rng.integers(2))

@@ -10,7 +10,7 @@ from encoders.corpus.engine.curves import ANKLE, HIP, LEFT, LEGS, SIDES, Array, 
 from encoders.corpus.engine.gait import PAD, Course, Gait, gait_phase, step_along
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.trajectories import seconds
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 
@@ -21,7 +21,7 @@ from encoders.motion import FPS
     directions=("left", "right", "around", "clockwise", "counterclockwise"),
     weight=2.5,
 )
-def turn(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def turn(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Turn on the spot in small steps: a quarter to a side, half or a whole turn around."""
     side = {"left": 1, "counterclockwise": 1, "right": -1, "clockwise": -1}.get(step.direction, rng.choice([-1, 1]))
     degrees = {"left": 90, "right": 90, "around": 180}.get(step.direction, rng.choice([180, 360]))
@@ -30,7 +30,7 @@ def turn(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 def spin_in_place(
-    step: Step, manner: Manner, rng: Generator, frames: int, angle: float, degrees_per_second: float
+    step: ActionStep, manner: Manner, rng: Generator, frames: int, angle: float, degrees_per_second: float
 ) -> Curves:
     """Turn by an angle (radians, left positive) on the spot."""
     pace = {"slow": 0.6, "": 1.0, "fast": 1.6}[step.speed] * manner.factor("pace")
@@ -49,7 +49,7 @@ def spin_in_place(
 
 
 @program("spin", group="locomotion", parts=LEGS, directions=("clockwise", "counterclockwise"), counts=(1, 4))
-def spin(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def spin(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Turn round and round on the spot, arms sometimes held out."""
     side = {"counterclockwise": 1, "clockwise": -1}.get(step.direction, rng.choice([-1, 1]))
     angle = side * 2 * np.pi * (step.count or int(rng.integers(1, 4)))
@@ -61,7 +61,7 @@ def spin(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("pivot", group="locomotion", parts=LEGS, sides=("left", "right"), directions=("left", "right", "around"))
-def pivot(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def pivot(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Turn at once on the ball of one foot, the other foot carried around it."""
     side = {"left": 1, "right": -1}.get(step.direction, rng.choice([-1, 1]))
     angle = side * np.deg2rad(rng.uniform(150, 190) if step.direction == "around" else rng.uniform(70, 180))

@@ -12,14 +12,14 @@ from encoders.corpus.engine.curves import BODY, LEFT, LEGS, RIGHT, Curves, frame
 from encoders.corpus.engine.gait import PAD, Course, Gait, gait_phase, step_along
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.trajectories import TURN, effort, go, seconds, travel
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 
 @program(
     "stagger", group="locomotion", parts=LEGS, directions=("forward", "backward", "left", "right", "around"), weight=1.5
 )
-def stagger(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def stagger(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Reel along like a drunk: the course wanders, the trunk sways, steps are uneven and wide."""
     frames = frames or int(rng.uniform(3.0, 6.0) * FPS)
     manner = replace(manner, width=manner.width + 0.4, sway=manner.sway + 0.5, wander=max(manner.wander, 0.1))
@@ -41,7 +41,7 @@ def stagger(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("stumble", group="locomotion", parts=LEGS, directions=("forward", "left", "right", "backward"), weight=1.5)
-def stumble(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def stumble(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Walk, trip, catch oneself with quick steps and go on."""
     frames = frames or int(rng.uniform(2.5, 5.0) * FPS)
     now = seconds(frames)
@@ -73,7 +73,7 @@ _THROWN = {"forward": (0.55, 0.0), "backward": (-0.5, 0.0), "left": (0.05, 0.5),
     "get pushed", group="locomotion", parts=BODY, directions=("forward", "backward", "left", "right"), counts=(1, 3),
     weight=1.2,
 )  # fmt: skip
-def get_pushed(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def get_pushed(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Stand, be pushed that way, reel some steps with flung arms, and find the balance again."""
     direction = step.direction or str(rng.choice(list(_THROWN)))
     count = step.count or 1
@@ -119,7 +119,7 @@ def get_pushed(step: Step, manner: Manner, rng: Generator, frames: int) -> Curve
     directions=("forward", "backward"),
     weight=1.5,
 )
-def balance_beam(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def balance_beam(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Walk one foot before the other as on a narrow beam, arms out."""
     gait = Gait(speed=rng.uniform(0.3, 0.7), cadence=rng.uniform(1.0, 1.5), duty=0.68, width=0.01, bob=0.01, push=0.4)
     curves = go(step, gait, replace(manner, width=0.0), rng, frames)
@@ -137,7 +137,7 @@ def balance_beam(step: Step, manner: Manner, rng: Generator, frames: int) -> Cur
 
 
 @program("moonwalk", group="locomotion", parts=LEGS, directions=("backward",), weight=0.5)
-def moonwalk(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def moonwalk(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Glide backward: one foot slides flat while the other stands on its toes."""
     frames = frames or int(rng.uniform(2.5, 5.0) * FPS)
     course, gait = travel(
@@ -157,7 +157,7 @@ def moonwalk(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
 
 
 @program("ice skate", group="locomotion", parts=LEGS, directions=("forward", "left", "right", "around"), weight=0.7)
-def ice_skate(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+def ice_skate(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Glide on one foot and push outward with the other, arms swinging sideways."""
     frames = frames or int(rng.uniform(3.0, 6.0) * FPS)
     course, gait = travel(

@@ -13,7 +13,7 @@ from itertools import combinations, product
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.scene import ActionStep, Scene
 
 #: Who does the first is also doing the second, in the words of people.
 _KINDS_OF = {
@@ -31,7 +31,7 @@ _ALSO_CALLED = {
     "backward-left": ("backward",), "backward-right": ("backward",),
 }  # fmt: skip
 _AHEAD = "direction=forward"
-_PARTICULARS = tuple(f.name for f in fields(Step) if f.name != "action")
+_PARTICULARS = tuple(f.name for f in fields(ActionStep) if f.name != "action")
 
 
 def facts(scene: Scene) -> frozenset[str]:
@@ -48,14 +48,14 @@ def facts(scene: Scene) -> frozenset[str]:
     return frozenset(found)
 
 
-def _names(step: Step) -> tuple[str, ...]:
+def _names(step: ActionStep) -> tuple[str, ...]:
     """The action, and what else whoever does it is doing."""
     if step.action == "run" and step.speed == "fast":
         return ("run", "sprint")
     return (step.action, *filter(None, [_KINDS_OF.get(step.action)]))
 
 
-def _named(action: str, step: Step) -> set[str]:
+def _named(action: str, step: ActionStep) -> set[str]:
     """The action, and each particular of it."""
     if step.action == "sprint":
         step = replace(step, speed="fast")

@@ -15,7 +15,7 @@ from encoders.corpus.composition.scene_clips import make_clip
 from encoders.corpus.composition.synthetic import settle
 from encoders.corpus.heldout.words import ACTIONS, STYLES, in_the_manner, sentence
 from encoders.corpus.language import describe, random_scene
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.scene import ActionStep, Scene
 from encoders.motion import FPS, Motion
 from encoders.skeleton import INDEX
 
@@ -25,7 +25,7 @@ _ACROSS = [INDEX[name] for name in ("right_hip", "left_hip", "right_shoulder", "
 
 
 Span = tuple[float, float]
-Group = tuple[Step, ...]
+Group = tuple[ActionStep, ...]
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Marked:
 
 
 @dataclass(frozen=True)
-class Happening:
+class Event:
     """What happens from when to when (seconds): a sentence for it, and all facts that hold."""
 
     sentence: str
@@ -56,12 +56,12 @@ class Happening:
 
 
 @dataclass(frozen=True)
-class MarkedTake:
+class AnnotatedTake:
     """A take, the sentences asked of it, and what happens in it, in order."""
 
     motion: Motion
     marked: tuple[Marked, ...]
-    happens: tuple[Happening, ...] = ()
+    happens: tuple[Event, ...] = ()
 
     def spans(self, meaning: frozenset[str]) -> list[Span]:
         """The spans of this take of which a meaning is true."""
@@ -72,7 +72,7 @@ class MarkedTake:
 Said = tuple[str, frozenset[str]]
 
 
-def made_take(rng: Generator, *, least: float = 30.0, most: float = 120.0) -> MarkedTake:
+def synthetic_take(rng: Generator, *, least: float = 30.0, most: float = 120.0) -> AnnotatedTake:
     """A made take that ends with the first clip after `least` to `most` seconds: one action after another.
 
     Each action is described once; the sentence is marked wherever something happens of which it is known to be true.
@@ -80,8 +80,8 @@ def made_take(rng: Generator, *, least: float = 30.0, most: float = 120.0) -> Ma
     return _acted(rng, rng.uniform(least, most), lambda: settle(random_scene(rng), rng), _described)
 
 
-def unseen_take(rng: Generator, *, least: float = 30.0, most: float = 120.0) -> MarkedTake:
-    """As `made_take`, of what no training clip shows (`encoders.corpus.heldout`).
+def heldout_take(rng: Generator, *, least: float = 30.0, most: float = 120.0) -> AnnotatedTake:
+    """As `synthetic_take`, of what no training clip shows (`encoders.corpus.heldout`).
 
     Two clips in five are actions held out, in any manner; the others are known actions in manners held out, which half
     of their sentences name. The joins are held out as well: within a training clip `joining` carries one movement into
@@ -90,44 +90,44 @@ def unseen_take(rng: Generator, *, least: float = 30.0, most: float = 120.0) -> 
     return _acted(rng, rng.uniform(least, most), lambda: _unseen_scene(rng), _described_unseen)
 
 
-def joined_take(clips: Sequence[tuple[Motion, str]]) -> MarkedTake:
+def joined_take(clips: Sequence[tuple[Motion, str]]) -> AnnotatedTake:
     """Real clips end to end; a sentence that occurs twice is right at both places."""
     joints = [motion.resample(FPS).joints for motion, _ in clips]
     times = np.cumsum([0, *map(len, joints)]) / FPS
     happens = [
-        Happening(sentence, (float(start), float(end)), frozenset({sentence}))
+        Event(sentence, (float(start), float(end)), frozenset({sentence}))
         for (_, sentence), start, end in zip(clips, times[:-1], times[1:], strict=True)
     ]
-    return marked_take(Motion(join(joints), FPS), happens)
+    return annotated_take(Motion(join(joints), FPS), happens)
 
 
-def marked_take(motion: Motion, happens: Sequence[Happening], meanings: Sequence[frozenset[str]] = ()) -> MarkedTake:
+def annotated_take(motion: Motion, happens: Sequence[Event], meanings: Sequence[frozenset[str]] = ()) -> AnnotatedTake:
     """A take whose sentences are those of what happens; without `meanings` each says all that it is true of."""
-    whole = MarkedTake(motion, (), tuple(happens))
+    whole = AnnotatedTake(motion, (), tuple(happens))
     said = dict(zip((h.sentence for h in happens), meanings or [h.facts for h in happens], strict=True))
     marked = [
         Marked(text, tuple(whole.spans(meaning)), meaning, bool(meaning & ACTIONS.keys()))
         for text, meaning in said.items()
     ]
-    return MarkedTake(motion, tuple(marked), whole.happens)
+    return AnnotatedTake(motion, tuple(marked), whole.happens)
 
 
 def _acted(
     rng: Generator, wanted: float, draw: Callable[[], Scene], described: Callable[[Group, Generator], Said]
-) -> MarkedTake:
+) -> AnnotatedTake:
     clips: list[NDArray[np.float32]] = []
-    happens: list[Happening] = []
+    happens: list[Event] = []
     meanings: list[frozenset[str]] = []
     at = 0.0
     while at < wanted:
         clip = make_clip(draw(), rng)
         for group, (start, end) in zip(clip.scene.steps, clip.spans, strict=True):
             text, meaning = described(group, rng)
-            happens.append(Happening(text, (at + start, at + end), facts(Scene((group,)))))
+            happens.append(Event(text, (at + start, at + end), facts(Scene((group,)))))
             meanings.append(meaning)
         clips.append(clip.joints)
         at += len(clip.joints) / clip.fps
-    return marked_take(Motion(join(clips), FPS), happens, meanings)
+    return annotated_take(Motion(join(clips), FPS), happens, meanings)
 
 
 def _described(group: Group, rng: Generator) -> Said:
@@ -137,12 +137,12 @@ def _described(group: Group, rng: Generator) -> Said:
 
 def _unseen_scene(rng: Generator) -> Scene:
     if rng.random() < _UNSEEN_ACTIONS:
-        return settle(Scene(((Step(str(rng.choice(sorted(ACTIONS)))),),)), rng)
+        return settle(Scene(((ActionStep(str(rng.choice(sorted(ACTIONS)))),),)), rng)
     scene, style = settle(random_scene(rng), rng), str(rng.choice(sorted(STYLES)))
     return Scene(tuple((_styled(first, style), *others) for first, *others in scene.steps))
 
 
-def _styled(step: Step, style: str) -> Step:
+def _styled(step: ActionStep, style: str) -> ActionStep:
     return replace(step, style=style if program_of(step.action).styled else "")
 
 

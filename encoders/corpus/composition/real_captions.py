@@ -17,7 +17,7 @@ from encoders.corpus.actions.programs import program_of
 from encoders.corpus.composition.facts import facts
 from encoders.corpus.composition.synthetic import told
 from encoders.corpus.language import parse
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.scene import ActionStep, Scene
 
 _MANNER = re.compile(r" (?:with|in an?|at an?|as if|as though|towards?|across|down)\b")
 #: What shows that words say more than how somebody acts: further clauses, ways to go, limbs that act.
@@ -74,7 +74,7 @@ def understood(caption: str) -> Scene | None:
 def _ahead(scene: Scene) -> Scene:
     """The scene, where who goes without a word of direction goes ahead."""
 
-    def going(step: Step) -> Step:
+    def going(step: ActionStep) -> ActionStep:
         goes = program_of(step.action).group == "locomotion" and "forward" in program_of(step.action).directions
         return replace(step, direction=step.direction or ("forward" if goes else ""))
 

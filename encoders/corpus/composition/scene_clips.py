@@ -16,11 +16,11 @@ from encoders.corpus.engine.joining import at_rest, chain, overlay, pause, roam
 from encoders.corpus.engine.posing import pose, random_geometry
 from encoders.corpus.engine.stance import Stance, sample_stance, stand
 from encoders.corpus.engine.style import apply_manner, sample_individual, sample_manner
-from encoders.corpus.scene import Clip, Scene, Step
+from encoders.corpus.scene import ActionStep, Scene, SceneClip
 from encoders.motion import FPS
 
 
-def act(step: Step, individual: Array, rng: Generator, frames: int = 0, stance: Stance | None = None) -> Curves:
+def act(step: ActionStep, individual: Array, rng: Generator, frames: int = 0, stance: Stance | None = None) -> Curves:
     """Act one step out in a performer's own manner and stance; `frames` is a hint.
 
     Raises
@@ -34,13 +34,13 @@ def act(step: Step, individual: Array, rng: Generator, frames: int = 0, stance: 
     return stand(curves, stance, rng) if stance else curves
 
 
-def compatible(*steps: Step) -> bool:
+def compatible(*steps: ActionStep) -> bool:
     """Whether steps can happen at once: no part of the body is needed twice."""
     parts = [parts_of(step) for step in steps]
     return sum(map(len, parts)) == len(frozenset().union(*parts))
 
 
-def _act_group(group: Sequence[Step], individual: Array, stance: Stance, rng: Generator) -> Curves:
+def _act_group(group: Sequence[ActionStep], individual: Array, stance: Stance, rng: Generator) -> Curves:
     """Steps at once: the one that needs the legs (else the first) carries the others."""
     if len(group) == 1:
         return act(group[0], individual, rng, 0, stance)
@@ -58,7 +58,7 @@ _LYING = ("backward", "backward", "forward", "left", "right")
 _SEATS = ("middle", "middle", "middle", "middle", "low")
 
 
-def _agreeing(scene: Scene, rng: Generator) -> list[tuple[Step, ...]]:
+def _agreeing(scene: Scene, rng: Generator) -> list[tuple[ActionStep, ...]]:
     """The scene's steps, with what they leave open about lying and sitting decided alike."""
     lying, seat = str(rng.choice(_LYING)), str(rng.choice(_SEATS))
     groups = []
@@ -127,7 +127,7 @@ def _sample(joints: Array, clock: Array) -> Array:
 
 def _finish(
     scene: Scene, curves: Curves, joints: Array, rng: Generator, variation: float, captions: Sequence[str]
-) -> Clip:
+) -> SceneClip:
     """Warp time and add the sensor's noise."""
     spans = np.array(curves.spans, dtype=np.float64)
     if variation:
@@ -137,10 +137,10 @@ def _finish(
         jitter = variation * rng.gamma(1.0, 0.0012)
         joints = joints + rng.standard_normal(joints.shape, dtype=np.float32) * jitter
     times = tuple((float(first / FPS), float(last / FPS)) for first, last in spans)
-    return Clip(joints.astype(np.float32), FPS, scene, times, tuple(captions))
+    return SceneClip(joints.astype(np.float32), FPS, scene, times, tuple(captions))
 
 
-def make_clip(scene: Scene, rng: Generator, *, captions: Sequence[str] = (), variation: float = 1.0) -> Clip:
+def make_clip(scene: Scene, rng: Generator, *, captions: Sequence[str] = (), variation: float = 1.0) -> SceneClip:
     """Act a scene out by one random performer.
 
     Parameters

@@ -13,7 +13,7 @@ from encoders.corpus.actions.programs import program_of
 from encoders.corpus.composition.facts import facts, hold
 from encoders.corpus.composition.scene_clips import make_clip
 from encoders.corpus.language import describe, parse, random_gait, random_scene, swap
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.scene import ActionStep, Scene
 from encoders.features.registry import FeatureKind
 from encoders.motion import Motion
 
@@ -22,7 +22,7 @@ _EITHER = 0.35
 
 
 @dataclass(frozen=True)
-class Made:
+class SyntheticClip:
     """One made clip with sentences that are true of it, and the facts each of them states.
 
     Attributes
@@ -42,7 +42,7 @@ class Made:
     swapped: tuple[str, ...]
 
 
-def true_of(clips: Sequence[Made]) -> NDArray[np.bool_]:
+def true_of(clips: Sequence[SyntheticClip]) -> NDArray[np.bool_]:
     """Whether the first sentence of each clip (rows) is known to be true of each clip (columns); of its own it is."""
     shown = [facts(clip.scene) for clip in clips]
     return hold([clip.meanings[0] for clip in clips], shown) | np.eye(len(clips), dtype=bool)
@@ -51,7 +51,7 @@ def true_of(clips: Sequence[Made]) -> NDArray[np.bool_]:
 def settle(scene: Scene, rng: Generator) -> Scene:
     """Sides and directions that the scene leaves open are decided, so that what is true of the clip is known."""
 
-    def decided(step: Step) -> Step:
+    def decided(step: ActionStep) -> ActionStep:
         action = program_of(step.action)
         side = step.side or (str(rng.choice(action.sides)) if action.sides else "")
         ahead = "forward" if "forward" in action.directions else ""
@@ -68,7 +68,7 @@ def make(
     said: Sequence[str] = (),
     count: int = 6,
     held_out: Callable[[str], bool] | None = None,
-) -> Made:
+) -> SyntheticClip:
     """Act a scene out and describe it.
 
     Parameters
@@ -88,7 +88,7 @@ def make(
         stated.setdefault(text, (meaning, twin))
     banned = held_out or _none
     texts = [text for text in stated if not banned(text)]
-    return Made(
+    return SyntheticClip(
         kind.compute(Motion(clip.joints, clip.fps)),
         whole,
         clip.spans,
@@ -121,13 +121,13 @@ def told(scene: Scene, rng: Generator) -> tuple[str, frozenset[str], str]:
 def _either(scene: Scene) -> Scene:
     """The scene without which hand or foot acts, where it is one."""
 
-    def either(step: Step) -> Step:
+    def either(step: ActionStep) -> ActionStep:
         return replace(step, side="") if step.side in ("left", "right") else step
 
     return Scene(tuple(tuple(either(step) for step in group) for group in scene.steps))
 
 
-def made_clips(
+def synthetic_clips(
     seed: int,
     count: int,
     kind: FeatureKind,
@@ -137,7 +137,7 @@ def made_clips(
     gait_share: float = 0.0,
     longest: float = 12.8,
     held_out: Callable[[str], bool] | None = None,
-) -> Iterator[Made]:
+) -> Iterator[SyntheticClip]:
     """`count` made clips of at most `longest` seconds; the same seed makes the same clips.
 
     In `gait_share` of them somebody just goes; of the others `human_share` act out human sentences that can be read

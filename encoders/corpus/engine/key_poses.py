@@ -12,7 +12,7 @@ from encoders.corpus.engine import inbetweens
 from encoders.corpus.engine.curves import ANKLE, BODY, Array, Curves, ease, standing
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import duration
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 _FIELDS = ("root", "pelvis", "spine", "head")
@@ -90,7 +90,7 @@ def repeated(frames: int, count: int, rng: Generator, *, down: float = 0.35, up:
 
 
 def down_and_up(
-    step: Step, manner: Manner, rng: Generator, frames: int, low: Array, *, seconds: float, stay: float = 0.2
+    step: ActionStep, manner: Manner, rng: Generator, frames: int, low: Array, *, seconds: float, stay: float = 0.2
 ) -> Curves:
     """Into a pose and out of it, `step.count` times; named once, it is sometimes kept."""
     count = step.count or 1

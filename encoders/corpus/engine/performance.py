@@ -13,7 +13,7 @@ from encoders.corpus.actions.programs import program
 from encoders.corpus.engine.curves import ARMS, BODY, Array, Curves
 from encoders.corpus.engine.keyframes import Key, key, play
 from encoders.corpus.engine.style import Manner
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 HANDS = ("left", "right", "both")
@@ -39,7 +39,7 @@ class Cue:
         Side that leads: the step's, or by chance, mostly the right.
     """
 
-    step: Step
+    step: ActionStep
     manner: Manner
     rng: Generator
     frames: int
@@ -119,7 +119,7 @@ def acted(
 
     def register(blocking: Blocking) -> Blocking:
         @program(name, group=group, parts=declared, **particulars)
-        def make(step: Step, manner: Manner, rng: Generator, frames: int) -> Curves:
+        def make(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
             cue = Cue(step, manner, rng, frames)
             pace = float(np.exp(-np.clip(manner.pace, -0.5, 0.4) + rng.normal(0.0, 0.12)))
             keys = blocking(cue)

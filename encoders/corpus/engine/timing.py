@@ -7,16 +7,16 @@ from numpy.random import Generator
 
 from encoders.corpus.engine.curves import frames_of
 from encoders.corpus.engine.style import Manner
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 
 SPEED = {"slow": 0.62, "": 1.0, "fast": 1.45}
 
 
-def tempo(step: Step, rng: Generator, spread: float = 0.08) -> float:
+def tempo(step: ActionStep, rng: Generator, spread: float = 0.08) -> float:
     """Factor of the pace that the step's speed asks for, with some chance in it."""
     return SPEED[step.speed] * float(np.exp(rng.normal(0.0, spread)))
 
 
-def duration(base: float, step: Step, manner: Manner, rng: Generator, frames: int = 0) -> int:
+def duration(base: float, step: ActionStep, manner: Manner, rng: Generator, frames: int = 0) -> int:
     """Frames of an action that takes `base` seconds at an ordinary pace; a hint wins."""
     return frames or frames_of(base / (tempo(step, rng, 0.15) * manner.factor("pace") ** 0.6))

@@ -11,7 +11,7 @@ from encoders.corpus.engine.curves import Array, Curves, ease, hold
 from encoders.corpus.engine.gait import PAD, Course, Gait, gait_phase, step_along
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import SPEED, tempo
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 TURN = {
@@ -123,7 +123,7 @@ def askew(rng: Generator) -> float:
 
 
 def travel(
-    step: Step, gait: Gait, manner: Manner, rng: Generator, frames: int, going: Array | None = None
+    step: ActionStep, gait: Gait, manner: Manner, rng: Generator, frames: int, going: Array | None = None
 ) -> tuple[Course, Gait]:
     """The course of a step, and the gait as direction, speed, amplitude and manner change it."""
     pace = tempo(step, rng)
@@ -198,7 +198,7 @@ def integrate(way: Array, direction: Array) -> Array:
     return np.asarray(root - root[PAD])
 
 
-def stay(step: Step, gait: Gait, manner: Manner, rng: Generator) -> int:
+def stay(step: ActionStep, gait: Gait, manner: Manner, rng: Generator) -> int:
     """Frames that a performer has at this gait: up to 12 seconds, mostly cut short by a room of 3 to 10 metres."""
     runs = gait.duty < 0.5
     most = rng.uniform(1.5, 4.0) if runs and rng.random() < 0.6 else rng.uniform(2.0, 6.0)
@@ -212,7 +212,7 @@ def stay(step: Step, gait: Gait, manner: Manner, rng: Generator) -> int:
     return int(min(most, max(rng.uniform(2.5, 10.0) / speed, 0.8) + rng.uniform(0.1, 1.0)) * FPS)
 
 
-def go(step: Step, gait: Gait, manner: Manner, rng: Generator, frames: int = 0) -> Curves:
+def go(step: ActionStep, gait: Gait, manner: Manner, rng: Generator, frames: int = 0) -> Curves:
     """Act a gait out along the step's direction, 2 to 6 seconds long or as the room allows unless `frames` says."""
     course, gait = travel(step, gait, manner, rng, frames or stay(step, gait, manner, rng))
     curves = step_along(course, gait, manner)

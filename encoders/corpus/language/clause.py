@@ -10,7 +10,7 @@ from functools import lru_cache
 from encoders.corpus.language.choice import Chance, pick, pick_early
 from encoders.corpus.language.lexicon import FIELDS, LIMBS, Phrase, entry_of, modifier, phrases_for
 from encoders.corpus.language.subjects import Subject
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.english import indefinite, inflect, number_word, times
 
 SAID = 0.85  # share of the set fields that a caption names
@@ -44,7 +44,7 @@ class Clause:
     """
 
     text: str
-    said: Step
+    said: ActionStep
     adverb: str = ""
     tail: str = ""
 
@@ -84,7 +84,7 @@ def _counted(noun: str, count: int, rng: Chance) -> str:
     return pick(rng, (f"a few {plural}", f"some {plural}", f"several {plural}"))
 
 
-def fill(text: str, step: Step, subject: Subject, rng: Chance) -> str:
+def fill(text: str, step: ActionStep, subject: Subject, rng: Chance) -> str:
     """`text` with every slot filled from the step and the subject."""
 
     def value(match: re.Match[str]) -> str:
@@ -117,7 +117,7 @@ def fill(text: str, step: Step, subject: Subject, rng: Chance) -> str:
     return " ".join(text.split())
 
 
-def _side_words(step: Step, limb: str, rng: Chance) -> str:
+def _side_words(step: ActionStep, limb: str, rng: Chance) -> str:
     if limb == "way":
         return pick_early(rng, _WAYS).replace("{side}", step.side)
     plural = _PLURALS.get(limb, limb + "s")
@@ -126,7 +126,7 @@ def _side_words(step: Step, limb: str, rng: Chance) -> str:
     return pick_early(rng, _SIDE_PHRASES).replace("{side}", step.side).replace("{limb}", limb)
 
 
-def _particulars(step: Step, unsaid: set[str], limb: str, rng: Chance) -> tuple[str, list[str]]:
+def _particulars(step: ActionStep, unsaid: set[str], limb: str, rng: Chance) -> tuple[str, list[str]]:
     """Words for the fields that are set and not yet said: an adverb before the verb, and what follows it."""
     adverb, after = "", []
     if "direction" in unsaid:
@@ -147,7 +147,7 @@ def _particulars(step: Step, unsaid: set[str], limb: str, rng: Chance) -> tuple[
     return adverb, after
 
 
-def choose_phrase(step: Step, kind: str, rng: Chance) -> Phrase | None:
+def choose_phrase(step: ActionStep, kind: str, rng: Chance) -> Phrase | None:
     """A phrase of a kind that holds for the step; special cases and common words more often."""
     groups = phrases_for(step, kind)
     if not groups:
@@ -159,7 +159,7 @@ def choose_phrase(step: Step, kind: str, rng: Chance) -> Phrase | None:
     return pick_early(rng, chosen)
 
 
-def make_clause(step: Step, subject: Subject, rng: Chance, *, without: frozenset[str] = frozenset()) -> Clause:
+def make_clause(step: ActionStep, subject: Subject, rng: Chance, *, without: frozenset[str] = frozenset()) -> Clause:
     """The step as a verb phrase; fields in `without` are said elsewhere."""
     phrase = choose_phrase(step, "verbs", rng)
     if phrase is None:
@@ -178,11 +178,11 @@ def make_clause(step: Step, subject: Subject, rng: Chance, *, without: frozenset
     )
 
 
-def without_fields(step: Step, fields: Iterable[str]) -> Step:
+def without_fields(step: ActionStep, fields: Iterable[str]) -> ActionStep:
     """The step with `fields` empty."""
     return replace(step, **{field: type(getattr(step, field))() for field in fields})
 
 
-def only_fields(step: Step, fields: Iterable[str]) -> Step:
+def only_fields(step: ActionStep, fields: Iterable[str]) -> ActionStep:
     """The step with every field but `fields` empty."""
     return without_fields(step, set(FIELDS) - set(fields))

@@ -10,7 +10,7 @@ from numpy.random import Generator
 
 from encoders.corpus.actions.programs import Program, programs, sample_step
 from encoders.corpus.language.lexicon import FOLDER, entry_of
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.scene import ActionStep, Scene
 
 _LENGTHS = (0.5, 0.28, 0.15, 0.07)  # share of scenes with 1, 2, 3 and 4 steps in sequence
 _AT_ONCE = 0.22  # share of groups with a second action, where one fits
@@ -67,7 +67,7 @@ def random_scene(rng: Generator) -> Scene:
     """
     length = int(rng.choice(len(_LENGTHS), p=_LENGTHS)) + 1
     detail = float(rng.choice([0.35, 0.6, 0.9]))
-    groups: list[tuple[Step, ...]] = []
+    groups: list[tuple[ActionStep, ...]] = []
     posture, style, previous = "", "", ""
     for _ in range(length):
         fitting = [
@@ -84,7 +84,7 @@ def random_scene(rng: Generator) -> Scene:
         else:
             style = step.style if length == 1 or rng.random() < 0.5 else ""
             step = replace(step, style=style)
-        group: tuple[Step, ...] = (step,)
+        group: tuple[ActionStep, ...] = (step,)
         if action.group in _CARRIERS and rng.random() < _AT_ONCE:
             companion = _companion(action, rng)
             if companion is not None:

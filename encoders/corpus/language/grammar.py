@@ -14,10 +14,10 @@ from encoders.corpus.language.clause import Clause, choose_phrase, fill, make_cl
 from encoders.corpus.language.lexicon import modifier
 from encoders.corpus.language.sloppy import sloppy
 from encoders.corpus.language.subjects import Subject, draw_subject, nobody, with_adjective
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.scene import ActionStep, Scene
 from encoders.english import plural_form
 
-Group = tuple[Step, ...]
+Group = tuple[ActionStep, ...]
 _KINDS = ("sentence", "fragment", "label", "part")
 _KIND_WEIGHTS_ONE = (0.62, 0.17, 0.15, 0.06)
 _KIND_WEIGHTS_MANY = (0.78, 0.15, 0.07, 0.0)

@@ -29,7 +29,7 @@ from functools import cache, cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 
 FOLDER = Path(__file__).parent / "phrases"
 LIMBS = ("hand", "arm", "fist", "elbow", "shoulder", "foot", "leg", "knee", "hip", "heel", "wrist", "palm", "fingers")
@@ -67,7 +67,7 @@ class Phrase:
         """Fields with the values that the words imply though no case names them."""
         return tuple(pair for pair, words in _IMPLIES.items() if words.search(self.text))
 
-    def said_of(self, step: Step) -> frozenset[str]:
+    def said_of(self, step: ActionStep) -> frozenset[str]:
         """The fields of this step that the phrase names."""
         return self.says | {field for field, value in self.implies if getattr(step, field) == value}
 
@@ -75,7 +75,7 @@ class Phrase:
     def slots(self) -> frozenset[str]:
         return frozenset(match[1] for match in _SLOT.finditer(self.text))
 
-    def fits(self, step: Step) -> bool:
+    def fits(self, step: ActionStep) -> bool:
         """Whether the fields that the slots need are set."""
         slots = self.slots
         if slots & {"side", "other"} and step.side not in ("left", "right"):
@@ -93,7 +93,7 @@ class Case:
     when: tuple[tuple[str, tuple[str, ...]], ...]
     phrases: Mapping[str, tuple[Phrase, ...]]
 
-    def fits(self, step: Step) -> bool:
+    def fits(self, step: ActionStep) -> bool:
         return all(str(getattr(step, name) or "") in values for name, values in self.when)
 
 
@@ -181,7 +181,7 @@ def modifier(action: str, field: str, value: str) -> Mapping[str, list[str]]:
 
 
 @lru_cache(maxsize=20000)
-def phrases_for(step: Step, kind: str) -> tuple[tuple[Phrase, ...], ...]:
+def phrases_for(step: ActionStep, kind: str) -> tuple[tuple[Phrase, ...], ...]:
     """The phrases of a kind that hold for `step`, one tuple a case, special cases first.
 
     Raises

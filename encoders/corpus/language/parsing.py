@@ -14,7 +14,7 @@ from encoders.corpus.actions.programs import parts_of, programs
 from encoders.corpus.language.normal import drop_auxiliaries, drop_subject, normalise
 from encoders.corpus.language.particulars import take_particulars
 from encoders.corpus.language.verbs import Context, is_verb, lemmas, means_something, step_of
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.scene import ActionStep, Scene
 
 _JOINS = re.compile(
     r"(?:^|,? )(?:and )?(then|before|after that|after|while|as (?=he|she|they|it|the)|followed by|finally|next)(?: |$)"
@@ -140,7 +140,7 @@ class _Story:
     """Steps as they are understood, clause by clause."""
 
     def __init__(self) -> None:
-        self.groups: list[tuple[Step, ...]] = []
+        self.groups: list[tuple[ActionStep, ...]] = []
         self.lemma = ""
 
     @property
@@ -152,7 +152,7 @@ class _Story:
                      for group in self.groups[-2:] for step in group)  # fmt: skip
         return Context(programs()[last.action].ends, last.action, turned)
 
-    def beside(self, step: Step) -> bool:
+    def beside(self, step: ActionStep) -> bool:
         """Whether a step can happen at the same time as the last ones: no part of the body is needed twice."""
         parts = [parts_of(other) for other in (*(self.groups[-1] if self.groups else ()), step)]
         return bool(self.groups) and sum(map(len, parts)) == len(frozenset().union(*parts))
@@ -162,7 +162,7 @@ class _Story:
         """Whether the performer has left the place."""
         return any(programs()[step.action].group == "locomotion" for group in self.groups for step in group)
 
-    def add(self, step: Step, join: str) -> bool:
+    def add(self, step: ActionStep, join: str) -> bool:
         """Put a step after or beside the last; False where it cannot be."""
         if step.action in ("stand up", "get up"):
             if self.context.action in _COMES_UP:
@@ -186,12 +186,12 @@ class _Story:
         self.groups.append((step,))
         return True
 
-    def _absorbs(self, step: Step, join: str) -> bool:
+    def _absorbs(self, step: ActionStep, join: str) -> bool:
         """Whether the last step takes the new one up: one movement told as two."""
         last = self.groups[-1][-1]
         if step.action == "stand" and join in ("while", "as ") and programs()[last.action].starts == "stand":
             return True  # "waves while standing"
-        if join in ("while", "as ") and step == Step("walk") and programs()[last.action].group == "locomotion":
+        if join in ("while", "as ") and step == ActionStep("walk") and programs()[last.action].group == "locomotion":
             return True  # "staggers while walking"
         one = step
         if last.action == "walk" and step.action == "balance beam" and join in ("while", "as ", "and"):

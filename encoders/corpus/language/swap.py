@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from encoders.corpus.actions.programs import programs
 from encoders.corpus.language.choice import Chance, pick
-from encoders.corpus.scene import Scene, Step
+from encoders.corpus.scene import ActionStep, Scene
 
 _OPPOSITE_SIDE = {"left": "right", "right": "left"}
 _OPPOSITE_DIRECTION = {
@@ -20,7 +20,7 @@ _OPPOSITE_DIRECTION = {
 }  # fmt: skip
 
 
-def _legal(step: Step) -> bool:
+def _legal(step: ActionStep) -> bool:
     program = programs().get(step.action)
     if program is None:
         return False
@@ -29,7 +29,7 @@ def _legal(step: Step) -> bool:
     return sided and counted and (not step.direction or step.direction in program.directions)
 
 
-def _changes(step: Step) -> list[Step]:
+def _changes(step: ActionStep) -> list[ActionStep]:
     """The step with one field turned into what it is not."""
     changed = []
     if step.side in _OPPOSITE_SIDE:

@@ -14,7 +14,7 @@ from functools import cache
 from encoders.corpus.actions.programs import Program, programs
 from encoders.corpus.language.lexicon import FOLDER, entry_of
 from encoders.corpus.language.particulars import Particulars
-from encoders.corpus.scene import Step
+from encoders.corpus.scene import ActionStep
 from encoders.english import NUMBER_VALUES, gerund, past, third_person
 
 _PARTICIPLES = {
@@ -128,7 +128,7 @@ def _side(found: Particulars, program: Program) -> str | None:
     return side if side in program.sides and by_leg == (limb in _LEG) else None
 
 
-def _legal(action: str, fields: dict[str, str], found: Particulars) -> Step | None:
+def _legal(action: str, fields: dict[str, str], found: Particulars) -> ActionStep | None:
     """A step of this action with the clause's particulars; None where the program does not honour one of them."""
     program = programs().get(action)
     if program is None:
@@ -161,7 +161,7 @@ def _legal(action: str, fields: dict[str, str], found: Particulars) -> Step | No
         return None
     if style and not program.styled:
         return None
-    return Step(action, side, direction, speed, amplitude, count, style, height)
+    return ActionStep(action, side, direction, speed, amplitude, count, style, height)
 
 
 _LIKENESS = re.compile(r" ?(?:as if|as though|like|as) (?:[a-z']+ ?){1,8}$")
@@ -197,7 +197,7 @@ def _take_number(lemma: str, found: Particulars) -> None:
         found.fields["count"], found.rest = str(value), rest
 
 
-def step_of(lemma: str, clause: str, found: Particulars, context: Context) -> Step | None:
+def step_of(lemma: str, clause: str, found: Particulars, context: Context) -> ActionStep | None:
     """The step that a verb and its particulars name; None where no rule fits or its program cannot do it."""
     _take_number(lemma, found)
     plain, likened = _without_likeness(found.rest) if lemma not in ("look", "appear", "seem") else (found.rest, False)

@@ -19,7 +19,7 @@ from onnx import TensorProto, helper, numpy_helper
 from torch import Tensor, nn
 
 from encoders.tmr.conversion.quantise import MIDDLE, int4_rows, int8_rows
-from encoders.tmr.model.network import Encoder, EncoderLayer, Gist
+from encoders.tmr.model.network import Encoder, EncoderLayer, SentenceHead
 from encoders.tmr.text.language_model import LanguageLayer, LanguageNetwork
 
 OPSET = 20
@@ -204,7 +204,7 @@ def text_graph(encoder: Encoder, language: LanguageNetwork, max_tokens: int, *, 
     )
 
 
-def _gist(graph: Graph, gist: Gist, x: str, lengths: str, tokens: str) -> str:
+def _gist(graph: Graph, gist: SentenceHead, x: str, lengths: str, tokens: str) -> str:
     """What `encoders.tmr.model.network.Gist` makes of x (batch, tokens, F), of which `lengths` (batch,) count."""
     valid = graph.add("Unsqueeze", _valid(graph, lengths, tokens), graph.constant([2]))
     x = graph.add(

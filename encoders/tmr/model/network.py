@@ -3,7 +3,7 @@
 After Petrovich, Black and Varol, "TMR: Text-to-Motion Retrieval Using Contrastive 3D Human Motion Synthesis"
 (ICCV 2023), which takes its networks from TEMOS and ACTOR. Modules carry the names of the published tensors, so
 published weights load strictly. What TMR does not have is off by default: several frames a token, a latent whose size
-differs from the width of the network, and a second reading of a sentence as a whole, `Gist`.
+differs from the width of the network, and a second reading of a sentence as a whole, `SentenceHead`.
 
 Two things are computed differently and give the same: an encoder's last layer is only computed for the tokens
 that are read, and attention to the decoder's memory, which is one token, is that token's value.
@@ -197,7 +197,7 @@ class Stack(nn.Module):
         self.layers = nn.ModuleList(layers)
 
 
-class Gist(nn.Module):
+class SentenceHead(nn.Module):
     """A sequence's mean feature -> a latent, through a perceptron that knows no order.
 
     The mean of a language model's tokens is what it was taught to compare sentences by: it is read well in words that
@@ -231,7 +231,7 @@ class Encoder(nn.Module):
         self.seqTransEncoder = Stack(EncoderLayer(tower) for _ in range(tower.layers))
         self.dropout = Dropout(tower.dropout)
         self.to_latent = nn.Identity() if latent == tower.width else nn.Linear(tower.width, latent)
-        self.gist = Gist(tower, latent) if tower.gist else None
+        self.gist = SentenceHead(tower, latent) if tower.gist else None
 
     def forward(self, x: Tensor, mask: Tensor) -> Gaussian:
         """Features (B, T, F), valid where mask (B, T) is True -> Gaussian over (B, latent)."""

@@ -33,7 +33,7 @@ _UPPER_VECTORS = np.concatenate(
 )
 
 
-def turned(features: Array, rng: Generator, yaw: float, tilt: float) -> Array:
+def random_rotation(features: Array, rng: Generator, yaw: float, tilt: float) -> Array:
     """`body` features (T, 96) in a frame that is off by a small random rotation, the same all along.
 
     Rigs and performers differ in what is straight ahead, and floors in what is up: people asked to walk straight go
@@ -45,7 +45,7 @@ def turned(features: Array, rng: Generator, yaw: float, tilt: float) -> Array:
     return moved
 
 
-def postured(features: Array, rng: Generator, posture: float) -> Array:
+def pose_jitter(features: Array, rng: Generator, posture: float) -> Array:
     """`body` features (T, 96) of somebody who carries arms and trunk otherwise, and swings the arms more or less.
 
     Trunk, upper arms and forearms are turned by small random rotations, the same all along: of `posture` degrees about

@@ -13,9 +13,9 @@ from torch import Tensor
 from encoders.tmr.model.network import TMR
 from encoders.tmr.model.normaliser import Normaliser
 from encoders.tmr.text.token_features import TokenTable
-from encoders.tmr.training.augment import postured, turned
+from encoders.tmr.training.augment import pose_jitter, random_rotation
 from encoders.tmr.training.embed import embed_motions
-from encoders.tmr.training.false_negatives import NoNegatives
+from encoders.tmr.training.false_negatives import FalseNegativeMask
 from encoders.tmr.training.pairs import PairStore
 from encoders.tmr.training.recipe import Recipe
 
@@ -59,7 +59,7 @@ class Batches:
         self.made, self.real, self.recipe, self.tokens, self.normaliser = made, real, recipe, tokens, normaliser
         self.rows = {id(store): np.array([texts[t] for t in store.texts]) for store in (made, real) if store}
         self.all_texts = list(texts)
-        self.no_negatives = NoNegatives(made, real, tokens, recipe)
+        self.no_negatives = FalseNegativeMask(made, real, tokens, recipe)
         self.unrelated = np.array([texts[t] for t in unrelated])
         self.places: NDArray[np.float32] | None = None
 
@@ -112,9 +112,9 @@ class Batches:
         recipe = self.recipe
         x = store.motion(index).astype(np.float32)
         if recipe.yaw or recipe.tilt:
-            x = turned(x, rng, recipe.yaw, recipe.tilt)
+            x = random_rotation(x, rng, recipe.yaw, recipe.tilt)
         if recipe.posture:
-            x = postured(x, rng, recipe.posture)
+            x = pose_jitter(x, rng, recipe.posture)
         x = (x - self.normaliser.mean) / self.normaliser.std
         limit = recipe.max_frames
         in_order = any("<" in store.vocabulary[f] for f in store.facts[index] or ())

@@ -17,7 +17,7 @@ from encoders.corpus.composition.facts import facts
 from encoders.corpus.composition.real import CaptionedTake, real_clips
 from encoders.corpus.composition.real_captions import retell
 from encoders.corpus.composition.seeds import TRAINING
-from encoders.corpus.composition.synthetic import made_clips
+from encoders.corpus.composition.synthetic import synthetic_clips
 from encoders.corpus.language import HeldOut
 from encoders.corpus.language.unrelated import unrelated_sentence
 from encoders.corpus.scene import Scene
@@ -27,17 +27,19 @@ from encoders.tmr.training.pairs import Pair, PairStore
 SHARD = 2500
 
 
-def made_store(
+def synthetic_store(
     path: Path, seed: int, count: int, kind: str, sentences: Sequence[str], held_out: HeldOut, gaits: float = 0.0
 ) -> PairStore:
     """`count` made clips, from `path` if they are there, else made and kept there; `gaits`: share that just go."""
     if not path.exists():
-        clips = made_clips(seed, count, FEATURE_KINDS[kind], sentences=sentences, gait_share=gaits, held_out=held_out)
+        clips = synthetic_clips(
+            seed, count, FEATURE_KINDS[kind], sentences=sentences, gait_share=gaits, held_out=held_out
+        )
         PairStore(Pair(m.features, m.captions, m.meanings, facts(m.scene), m.swapped) for m in clips).save(path)
     return PairStore.load(path)
 
 
-def made_stores(
+def synthetic_stores(
     folder: Path,
     count: int,
     kind: str,
@@ -65,7 +67,7 @@ def made_stores(
 
 
 def _make_shard(path: Path, seed: int, kind: str, sentences: Sequence[str], held_out: HeldOut, gaits: float) -> None:
-    made_store(path, seed, SHARD, kind, sentences, held_out, gaits)
+    synthetic_store(path, seed, SHARD, kind, sentences, held_out, gaits)
 
 
 def real_store(

@@ -17,7 +17,7 @@ Picks = Sequence[tuple[PairStore, int]]
 Members = list[list[int]]
 
 
-class NoNegatives:
+class FalseNegativeMask:
     """Knows what clips show and sentences state, by facts where these are known and else by the sentences' likeness."""
 
     def __init__(self, made: PairStore, real: PairStore | None, tokens: TokenTable, recipe: Recipe) -> None:

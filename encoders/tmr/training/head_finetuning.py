@@ -20,7 +20,7 @@ from encoders.tmr.training.recipe import Recipe
 _WARMUP = 0.02
 
 
-def teach_gist(model: TMR, batches: Batches, temperature: float, recipe: Recipe) -> None:
+def finetune_head(model: TMR, batches: Batches, temperature: float, recipe: Recipe) -> None:
     """Train the gist of a model for `recipe.gist_steps`, in place; what the model says otherwise stays.
 
     Its weights at the end are their running mean, as those of the run.

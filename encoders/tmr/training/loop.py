@@ -16,7 +16,7 @@ from encoders.errors import MotionSeekError
 from encoders.tmr.model.network import TMR
 from encoders.tmr.training import losses
 from encoders.tmr.training.batches import Batches
-from encoders.tmr.training.head_finetuning import teach_gist
+from encoders.tmr.training.head_finetuning import finetune_head
 from encoders.tmr.training.objective import step_losses
 from encoders.tmr.training.recipe import Recipe
 
@@ -127,7 +127,7 @@ class Trainer:
     def _teach(self) -> None:
         """The last lesson, of the averaged weights."""
         model = self.averaged()
-        teach_gist(model, self.batches, self.log_temperature.exp().item(), self.recipe)
+        finetune_head(model, self.batches, self.log_temperature.exp().item(), self.recipe)
         self.average = model.state_dict()
         self.taught = True
 

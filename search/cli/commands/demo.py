@@ -16,7 +16,7 @@ from search.cli import options
 
 if TYPE_CHECKING:
     from search.hits import Hit
-    from search.library import SearchableLibrary
+    from search.library import Library
 
 #: The clips, and demo.json: {"questions": [sentence, ...], "moment": {"sentence": ..., "clip": path}}.
 DATA = Path(__file__).parents[2] / "demo_data"
@@ -39,7 +39,7 @@ def demo(folder: Path | None, force: bool, as_json: bool) -> None:
     from indexer.ingest import indexing
     from search.cli import terminal
     from search.cli.commands.index import progress_bar
-    from search.library import SearchableLibrary
+    from search.library import Library
 
     if not (DATA / "demo.json").is_file():
         raise click.ClickException(f"the demo's clips are missing from {DATA}; install motionseek again")
@@ -52,7 +52,7 @@ def demo(folder: Path | None, force: bool, as_json: bool) -> None:
         summary = indexing.index(place, progress=progress)
     say = _silent if as_json else print
     say(f"Indexed {summary.indexed} clips of real motion capture in {summary.seconds:.1f} s: {place}\n")
-    with SearchableLibrary.open(place) as library:
+    with Library.open(place) as library:
         report = _ask(library, script["questions"], place / "hits.png", say)
         report |= _locate(library, script["moment"], place / "moment.png", say)
     if as_json:
@@ -66,7 +66,7 @@ def _silent(line: str) -> None:
     """Say nothing: the answer is one JSON document."""
 
 
-def _ask(library: SearchableLibrary, questions: list[str], picture: Path, say: Any) -> dict[str, Any]:
+def _ask(library: Library, questions: list[str], picture: Path, say: Any) -> dict[str, Any]:
     """Search for sentences and draw the best three hits of each."""
     from search.cli import terminal
     from search.drawing.plots import plot_poses
@@ -90,7 +90,7 @@ def _label(hit: Hit) -> str:
     return f"{hit.rank}.  {hit.path}  {hit.start:.1f}–{hit.end:.1f} s   {hit.score:.2f}  {hit.strength}"
 
 
-def _locate(library: SearchableLibrary, moment: dict[str, str], picture: Path, say: Any) -> dict[str, Any]:
+def _locate(library: Library, moment: dict[str, str], picture: Path, say: Any) -> dict[str, Any]:
     """Find a sentence in a long take and draw similarity over time."""
     from search.cli import terminal
     from search.drawing.plots import plot_moments

@@ -123,11 +123,11 @@ def _described(folder: Path, captions: Path, split: str, bundle: Bundle, as_json
 
 def _corpus(count: int, bundle: Bundle) -> dict[str, dict[str, float]]:
     from encoders.corpus.composition.seeds import TEST
-    from encoders.corpus.composition.synthetic import made_clips
+    from encoders.corpus.composition.synthetic import synthetic_clips
     from encoders.features.registry import FEATURE_KINDS
     from search.evaluate.corpus_retrieval import evaluate_corpus
 
-    return evaluate_corpus(made_clips(TEST, count, FEATURE_KINDS[bundle.feature_kind]), bundle)
+    return evaluate_corpus(synthetic_clips(TEST, count, FEATURE_KINDS[bundle.feature_kind]), bundle)
 
 
 def _moments(
@@ -172,11 +172,11 @@ def _every_tenth(takes: int) -> None:
 
 def _nonsense(count: int, bundle: Bundle) -> dict[str, float]:
     from encoders.corpus.composition.seeds import TEST
-    from encoders.corpus.composition.synthetic import made_clips
+    from encoders.corpus.composition.synthetic import synthetic_clips
     from encoders.features.registry import FEATURE_KINDS
     from search.evaluate.out_of_domain import evaluate_nonsense
 
-    clips = made_clips(TEST, count, FEATURE_KINDS[bundle.feature_kind])
+    clips = synthetic_clips(TEST, count, FEATURE_KINDS[bundle.feature_kind])
     return evaluate_nonsense(bundle, bundle.encode_features([clip.features for clip in clips]))
 
 

@@ -78,7 +78,7 @@ def train(
     from encoders.corpus.language import HeldOut
     from encoders.features.registry import FEATURE_KINDS
     from encoders.tmr.text.language_model import LanguageModel
-    from encoders.tmr.training.dataset import made_store, made_stores, unrelated_sentences
+    from encoders.tmr.training.dataset import synthetic_store, synthetic_stores, unrelated_sentences
     from encoders.tmr.training.pipeline import prepare
     from encoders.tmr.training.pipeline import train as train_in
 
@@ -91,8 +91,8 @@ def train(
     lines = [text for text in _sentences(sentences) if not banned(text)] if sentences else []
     people, asked = real_stores(real, captions, kind, banned) if real and captions else (None, None)
     seed = TRAINING + RUNS_APART * chosen.seed
-    clips = made_stores(run, made, kind.name, lines, banned, gaits=gaits, seed=seed, jobs=jobs, say=click.echo)
-    validation = made_store(run / "validation.npz", VALIDATION, 1000, kind.name, (), banned)
+    clips = synthetic_stores(run, made, kind.name, lines, banned, gaits=gaits, seed=seed, jobs=jobs, say=click.echo)
+    validation = synthetic_store(run / "validation.npz", VALIDATION, 1000, kind.name, (), banned)
     batches, validate, normaliser = prepare(
         chosen, clips, people, validation, asked, unrelated_sentences(600), language, run, normaliser
     )

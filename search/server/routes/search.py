@@ -15,7 +15,7 @@ from search.server.error_responses import ANY, NO_CLIP, UPLOAD, ok
 from search.server.parameters import ClipRef, Count, FileName, Filters, NearOffset, Offset, Sentence, Sentences, Span
 from search.server.served import Search
 from search.server.state import State
-from search.source import Source
+from search.source import MotionSource
 
 Given = dict[str, Any]
 
@@ -82,7 +82,7 @@ def routes(state: State) -> APIRouter:
 
         return encoded(await state.remembered(_asked(request), make))
 
-    def described(source: Source, ref: str, span: tuple[float | None, float | None], k: int) -> bytes:
+    def described(source: MotionSource, ref: str, span: tuple[float | None, float | None], k: int) -> bytes:
         texts, _, vectors = library.caption_vectors()
         found = describe_motion(library.bundle, source.cut(*span), k, texts, vectors)
         sentences = [{"text": text, "score": round(score, 4)} for text, score in found]
@@ -100,7 +100,12 @@ def routes(state: State) -> APIRouter:
         return encoded(await state.at_length(lambda: described(upload.source, upload.key, span, k)))
 
     def alike(
-        source: Source, ref: str, span: tuple[float | None, float | None], moments: bool, part: slice, given: Given
+        source: MotionSource,
+        ref: str,
+        span: tuple[float | None, float | None],
+        moments: bool,
+        part: slice,
+        given: Given,
     ) -> bytes:
         found = library.similar(cast(Any, source), part.stop, *span, moments=moments, **given)[part]
         return _written({"query": source.path, "hits": documents.hits(found), "clip": _ref(source, ref)})
@@ -150,7 +155,7 @@ def _written(content: Any) -> bytes:
     return json.dumps(content, allow_nan=False, separators=(",", ":")).encode()
 
 
-def _ref(source: Source, ref: str) -> int | str:
+def _ref(source: MotionSource, ref: str) -> int | str:
     return source.clip_id if source.clip_id >= 0 else ref
 
 
@@ -168,7 +173,7 @@ def _moments(question: Question, hits: list[dict[str, Any]]) -> dict[str, Any]:
     return content
 
 
-def _curve(state: State, source: Source, question: Question) -> dict[str, Any]:
+def _curve(state: State, source: MotionSource, question: Question) -> dict[str, Any]:
     bundle = state.library.bundle
     times, similarity = curves(bundle, source, question.encode(bundle))
     named = zip(question.sentences, similarity.round(4).astype(float).round(4).tolist(), strict=True)

@@ -11,7 +11,7 @@ import pytest
 
 from encoders.skeleton import JOINTS
 from indexer.formats.table import read_take
-from indexer.store.stored_library import Library
+from indexer.store.stored_library import StoredLibrary
 from search.server import joints
 
 BVH, LONG, CAPTIONED = "deep er/bücken.bvh", "take 3.npy", "take 1.npy"
@@ -166,7 +166,7 @@ def test_the_joints_of_a_span(client, number, indexed):
     response = client.get(f"/api/motions/{number(LONG)}/joints", params={"start": 9.5, "end": 12})
     motion, start = joints.unpack(response.content)
     assert (start, motion.fps, len(motion)) == (9.5, 20.0, 50)
-    with Library.open(indexed) as library:
+    with StoredLibrary.open(indexed) as library:
         want = library.motion(number(LONG), 9.5, 12)
     np.testing.assert_allclose(motion.joints, want.joints, atol=1.1e-4)
     slower, _ = joints.unpack(client.get(f"/api/motions/{number(LONG)}/joints", params={"fps": 5}).content)

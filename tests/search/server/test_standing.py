@@ -11,9 +11,9 @@ from starlette.testclient import TestClient
 
 from encoders.bundle.bundle import Bundle
 from indexer.ingest import indexing
-from search.library import SearchableLibrary
+from search.library import Library
 from search.server import documents
-from search.server.answer_cache import Grounds, StandingAnswers
+from search.server.answer_cache import AnswerCache, Grounds
 from search.server.app import create_app
 from search.server.served import ServedLibrary
 from tests.search.conftest import made_motion
@@ -22,9 +22,9 @@ NONE = np.zeros((0, 2), np.float32)
 EAST, NORTH = np.array([1, 0], np.float32), np.array([0, 1], np.float32)
 
 
-def held() -> StandingAnswers:
+def held() -> AnswerCache:
     """Two answers of generation 1: about what lies east, and about what lies north."""
-    answers = StandingAnswers(1)
+    answers = AnswerCache(1)
     answers.put("east", b"e", Grounds(EAST, 0.6), 1)
     answers.put("north", b"n", Grounds(NORTH, 0.6), 1)
     return answers
@@ -52,7 +52,7 @@ def test_an_answer_found_before_a_growth_comes_too_late_after_it() -> None:
 
 
 def test_the_least_used_go_first() -> None:
-    answers = StandingAnswers(1, size=2)
+    answers = AnswerCache(1, size=2)
     for key in ("a", "b"):
         answers.put(key, b"", Grounds(EAST, 0.0), 1)
     answers.get("a")
@@ -86,7 +86,7 @@ def test_what_stands_is_what_a_fresh_search_finds(indexed: Path, bundle: Bundle,
             assert library.refresh()
             stood.append(len(library.standing))
             after = answers()
-            with SearchableLibrary.open(folder, bundle=bundle) as fresh:
+            with Library.open(folder, bundle=bundle) as fresh:
                 assert after == {q: documents.hits(fresh.search(q, 2)) for q in questions}
     assert before != after
     assert max(stood) > 0
@@ -116,7 +116,7 @@ def test_captions_that_change_places_are_seen(indexed: Path, bundle: Bundle, tmp
     with TestClient(create_app(library), base_url="http://127.0.0.1:8420") as client:
         for _ in range(2):
             hits = client.get("/api/search", params={"q": "walks"}).json()["hits"]
-            with SearchableLibrary.open(folder, bundle=bundle) as fresh:
+            with Library.open(folder, bundle=bundle) as fresh:
                 assert hits == documents.hits(fresh.search("walks"))
             say(later)
             assert library.refresh()
