@@ -1,18 +1,27 @@
 """What can go wrong, as one tree.
 
 MotionSeekError
-├── UnreadableMotion   a file that is no motion we can read
-├── UnknownRig         a skeleton that cannot be mapped to the 22 joints
-├── LibraryError       a library that is missing, locked or damaged
-├── BundleError        a model bundle that is missing or damaged
-├── BundleMismatch     a library made with another model
-└── QueryError         a question that cannot be asked
+├── UnreadableMotion       a file that holds no motion that can be read
+│   └── UnknownRig         a skeleton that cannot be mapped to the 22 joints
+├── LibraryError           a library that cannot be used
+│   ├── LibraryNotFound    there is none
+│   ├── LibraryLocked      another process is writing it
+│   ├── LibraryDamaged     its files are corrupt or incomplete
+│   └── UnknownClip        it has no such clip
+├── BundleError            a model bundle that is missing or damaged
+├── BundleMismatch         a library made with another model
+├── QueryError             a query that cannot be answered
+│   └── ArgumentError      an argument of a wrong type or value
+└── MissingProgram         an external program, such as ffmpeg, that is not installed
+
+Every error can be pickled, so that it passes from one process to another.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from os import PathLike, fspath
+from typing import Any
 
 
 class MotionSeekError(Exception):
@@ -41,9 +50,28 @@ class UnknownRig(UnreadableMotion):
             reason or f"no joint found for {', '.join(self.missing)}; name them with --joint-map FILE",
         )
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.path, self.missing, self.reason)
+
 
 class LibraryError(MotionSeekError):
-    """A library is missing, locked or damaged."""
+    """A library cannot be used; the subclasses name the cause."""
+
+
+class LibraryNotFound(LibraryError):
+    """There is no library at a place."""
+
+
+class LibraryLocked(LibraryError):
+    """Another process is writing the library."""
+
+
+class LibraryDamaged(LibraryError):
+    """Files of the library are corrupt or incomplete."""
+
+
+class UnknownClip(LibraryError):
+    """A reference names no clip of the library, or more than one."""
 
 
 class BundleError(MotionSeekError):
@@ -55,4 +83,12 @@ class BundleMismatch(MotionSeekError):
 
 
 class QueryError(MotionSeekError):
-    """A question cannot be asked as it stands."""
+    """A query cannot be answered as it stands."""
+
+
+class ArgumentError(QueryError):
+    """An argument has a wrong type or value; the message names it."""
+
+
+class MissingProgram(MotionSeekError):
+    """An external program is not installed; the message says how to get it."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from encoders.bundle.bundle import Bundle
 from encoders.bundle.windows import Windows, ends_of, grid
-from encoders.errors import LibraryError, QueryError, UnreadableMotion
+from encoders.errors import QueryError, UnknownClip, UnreadableMotion
 from encoders.motion import Motion
 from indexer.ingest.load import load_motion
 from indexer.ingest.unindexed import read_as_known
@@ -141,7 +141,7 @@ def find_clip(library: StoredLibrary, ref: str | PathLike[str]) -> Clip | None:
 
     Raises
     ------
-    LibraryError
+    UnknownClip
         If it is neither.
     """
     path = Path(ref)
@@ -149,7 +149,7 @@ def find_clip(library: StoredLibrary, ref: str | PathLike[str]) -> Clip | None:
         return library.find(fspath(ref))
     try:
         return library.find(str(path.resolve()))
-    except LibraryError:
+    except UnknownClip:
         return None
 
 
@@ -163,7 +163,7 @@ def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps:
 
     Raises
     ------
-    UnreadableMotion, LibraryError
+    UnreadableMotion, UnknownClip
         If it names nothing, or a file that cannot be read.
     """
     path = Path(ref)
@@ -175,8 +175,8 @@ def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps:
         return MotionSource.of_file(ref, fps=fps)
     try:
         clip = find_clip(library, ref)
-    except LibraryError as error:
-        raise LibraryError(f"{error}{_perhaps(library, fspath(ref))}") from None
+    except UnknownClip as error:
+        raise UnknownClip(f"{error}{_perhaps(library, fspath(ref))}") from None
     if clip is None:
         return MotionSource.of_file(ref, library, fps=fps)
     if fps is not None:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 
-from encoders.errors import LibraryError
+from encoders.errors import LibraryError, LibraryLocked
 
 
 @contextmanager
@@ -22,8 +22,10 @@ def write_lock(folder: Path) -> Iterator[None]:
 
     Raises
     ------
+    LibraryLocked
+        If another process holds it.
     LibraryError
-        If another process holds it, or the folder cannot be written.
+        If the folder cannot be written.
     """
     holder = folder / "writer.txt"
     connection = sqlite3.connect(folder / "writer.lock", timeout=0, isolation_level=None)
@@ -33,7 +35,9 @@ def write_lock(folder: Path) -> Iterator[None]:
         connection.close()
         if "locked" not in str(error):
             raise LibraryError(f"{folder}: cannot be written ({error}); use another folder: --library DIR") from error
-        raise LibraryError(f"{folder}: being written by {_read(holder)}; wait until that is done, or end it") from error
+        raise LibraryLocked(
+            f"{folder}: being written by {_read(holder)}; wait until that is done, or end it"
+        ) from error
     try:
         since = datetime.now().isoformat(" ", "seconds")
         holder.write_text(f"process {os.getpid()} on {socket.gethostname()} since {since}")

@@ -8,7 +8,7 @@ import zlib
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.errors import LibraryError
+from encoders.errors import LibraryDamaged
 from encoders.motion import FPS
 from encoders.skeleton import JOINTS
 
@@ -43,8 +43,8 @@ def unpack(blob: bytes) -> NDArray[np.float32]:
 
     Raises
     ------
-    LibraryError
-        If the bytes are no chunk of poses.
+    LibraryDamaged
+        If the bytes hold no chunk of poses.
     """
     try:
         frames, step, *origin = _HEADER.unpack_from(blob)
@@ -54,7 +54,9 @@ def unpack(blob: bytes) -> NDArray[np.float32]:
         if not raw or len(raw) != size:
             raise ValueError("wrong size")
     except (struct.error, zlib.error, ValueError) as error:
-        raise LibraryError(f"stored poses are damaged ({error}); delete the library folder and index again") from error
+        raise LibraryDamaged(
+            f"stored poses are damaged ({error}); delete the library folder and index again"
+        ) from error
     change = np.frombuffer(raw, np.uint8).reshape(2, -1).T.copy().view("<i2").reshape(frames, -1)
     steps = np.cumsum(change, axis=0, dtype=np.int16).reshape(frames, len(JOINTS), 3)
     return np.asarray(steps * step + np.array(origin), np.float32)

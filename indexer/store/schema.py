@@ -11,7 +11,7 @@ from secrets import randbits
 
 from sqlite_utils import Database
 
-from encoders.errors import LibraryError
+from encoders.errors import LibraryDamaged, LibraryError, LibraryLocked, LibraryNotFound
 
 Migration = Callable[[Database], None]
 MIGRATIONS: list[Migration] = []
@@ -148,22 +148,39 @@ def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
 
     Raises
     ------
+    LibraryNotFound
+        If there is no such file.
+    LibraryLocked
+        If another process holds it.
+    LibraryDamaged
+        If it is no SQLite database or an empty one.
     LibraryError
-        If the file is no library of a version that this program knows.
+        If it cannot be opened, or is of a version that this program does not know.
     """
     try:
         connection = _connect(path, "rwc" if writable else "ro")
         version: int = connection.execute("PRAGMA user_version").fetchone()[0]
     except sqlite3.Error as error:
-        if path.exists() and not os.access(path, os.R_OK):
-            raise LibraryError(f"{path}: permission denied; ask its owner to let you read it") from error
-        raise LibraryError(
-            f"{path}: cannot be opened as a library ({error}); if it is damaged, delete its folder and index again"
-        ) from error
+        raise _cause(path, error) from error
     if version > len(MIGRATIONS):
         connection.close()
         raise LibraryError(f"{path}: written by a newer motionseek; update motionseek to open it")
+    if version == 0 and not writable:
+        connection.close()
+        raise LibraryDamaged(f"{path}: holds no tables; delete its folder and index again")
     return connection
+
+
+def _cause(path: Path, error: sqlite3.Error) -> LibraryError:
+    """Why a library file cannot be opened."""
+    if not path.parent.exists() or (not path.exists() and os.access(path.parent, os.W_OK)):
+        return LibraryNotFound(f"{path}: there is no such file")
+    if path.exists() and not os.access(path, os.R_OK):
+        return LibraryError(f"{path}: permission denied; ask its owner to let you read it")
+    if "locked" in str(error):
+        return LibraryLocked(f"{path}: locked by another process; try again when it has ended")
+    kind = LibraryError if isinstance(error, sqlite3.OperationalError) else LibraryDamaged
+    return kind(f"{path}: cannot be opened as a library ({error}); if it is damaged, delete its folder and index again")
 
 
 def _connect(path: Path, mode: str) -> sqlite3.Connection:

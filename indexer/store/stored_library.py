@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle.windows import Windows
-from encoders.errors import BundleMismatch, LibraryError
+from encoders.errors import BundleMismatch, LibraryDamaged, LibraryError, LibraryNotFound, UnknownClip
 from encoders.motion import FPS, Motion
 from indexer.store import poses, schema
 from indexer.store.clips import LIVE, Caption, Clip, select
@@ -63,8 +63,10 @@ class StoredLibrary:
 
         Raises
         ------
-        LibraryError
-            If there is no library, or it cannot be read.
+        LibraryNotFound
+            If there is no library.
+        LibraryDamaged, LibraryError
+            If it cannot be read.
         BundleMismatch
             If `bundle` is not the model whose vectors the library holds.
         """
@@ -73,7 +75,7 @@ class StoredLibrary:
             if (candidate / FILE).is_file():
                 return cls(candidate.resolve(), bundle=bundle)
         if not create:
-            raise LibraryError(f"{given}: no library here; make one with 'motionseek index {given}'")
+            raise LibraryNotFound(f"{given}: no library here; make one with 'motionseek index {given}'")
         _create(given)
         return cls(given.resolve(), bundle=bundle)
 
@@ -163,12 +165,12 @@ class StoredLibrary:
 
         Raises
         ------
-        LibraryError
+        UnknownClip
             If there is none of that id.
         """
         found = self.clips([id])
         if id not in found:
-            raise LibraryError(f"{self.folder}: no clip #{id}")
+            raise UnknownClip(f"{self.folder}: no clip #{id}")
         return found[id]
 
     def clips(self, ids: Iterable[int]) -> dict[int, Clip]:
@@ -189,7 +191,7 @@ class StoredLibrary:
 
         Raises
         ------
-        LibraryError
+        UnknownClip
             If no clip or several are meant.
         """
         text = fspath(ref)
@@ -205,9 +207,9 @@ class StoredLibrary:
             found = self._select("clips.name = ?", [text])
         if len(found) > 1:
             some = ", ".join(f"#{clip.id} {clip.path}" for clip in found[:5])
-            raise LibraryError(f"{text}: {len(found)} clips are called so ({some}); name one by its path or #number")
+            raise UnknownClip(f"{text}: {len(found)} clips are called so ({some}); name one by its path or #number")
         if not found:
-            raise LibraryError(f"{text}: no clip of that path or name in {self.folder}")
+            raise UnknownClip(f"{text}: no clip of that path or name in {self.folder}")
         return found[0]
 
     def motion(self, id: int, start: float | None = None, end: float | None = None) -> Motion:
@@ -215,8 +217,10 @@ class StoredLibrary:
 
         Raises
         ------
-        LibraryError
-            If there is no such clip or its poses are damaged.
+        UnknownClip
+            If there is no such clip.
+        LibraryDamaged
+            If its stored poses are corrupt or incomplete.
         ValueError
             If the span is empty or begins after the clip ends.
         """
@@ -234,7 +238,7 @@ class StoredLibrary:
         joints = [poses.unpack(data) for (data,) in rows]
         skipped = first // poses.CHUNK * poses.CHUNK
         if sum(map(len, joints)) < last - skipped:
-            raise LibraryError(f"{clip.path}: stored poses are incomplete; delete the library folder and index again")
+            raise LibraryDamaged(f"{clip.path}: stored poses are incomplete; delete the library folder and index again")
         return Motion(np.concatenate(joints)[first - skipped : last - skipped], FPS)
 
     def captions(self, id: int) -> list[Caption]:

@@ -270,8 +270,10 @@ def writing(folder: Path) -> Iterator[Writer]:
 
     Raises
     ------
+    LibraryLocked
+        If another process is writing it.
     LibraryError
-        If the folder cannot be written or another process is writing it.
+        If the folder cannot be written.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from encoders.errors import LibraryError
+from encoders.errors import LibraryNotFound
 
 FOLDER = ".motionseek"
 VARIABLE = "MOTIONSEEK_LIBRARY"
@@ -16,7 +16,7 @@ def locate(given: str | os.PathLike[str] | None = None, *, start: Path | None = 
 
     Raises
     ------
-    LibraryError
+    LibraryNotFound
         If there is none.
     """
     named = given or os.environ.get(VARIABLE)
@@ -26,7 +26,7 @@ def locate(given: str | os.PathLike[str] | None = None, *, start: Path | None = 
     for folder in (here, *here.parents):
         if (folder / FOLDER).is_dir():
             return folder
-    raise LibraryError(
+    raise LibraryNotFound(
         f"no library in {here} or above it; make one with 'motionseek index FOLDER', "
         f"or name one with --library or {VARIABLE}"
     )

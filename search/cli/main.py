@@ -13,7 +13,7 @@ from importlib import import_module
 
 import click
 
-from encoders.errors import MotionSeekError, QueryError
+from encoders.errors import MissingProgram, MotionSeekError, QueryError
 
 #: Command -> the module that holds it, in the order help lists them; imported when asked for.
 COMMANDS = {
@@ -107,7 +107,9 @@ def _run(arguments: list[str], *, debug: bool) -> int:
         if debug:
             raise
         if isinstance(error, (MotionSeekError, OSError)):
-            return _complain(f"motionseek: {_one_line(error)}", 2 if isinstance(error, QueryError) else 1)
+            return _complain(
+                f"motionseek: {_one_line(error)}", 2 if isinstance(error, (QueryError, MissingProgram)) else 1
+            )
         named = f"unexpected {type(error).__name__}: {_one_line(error)}"
         return _complain(f"motionseek: {named}; run again with --debug and report what it prints", 1)
 

@@ -13,7 +13,7 @@ from typing import IO, TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.errors import QueryError
+from encoders.errors import MissingProgram, QueryError
 from encoders.motion import Motion
 from search.drawing.raster import FLOOR, INK, QUIET, Stage
 from search.export.cut import replacing
@@ -46,7 +46,9 @@ def write_picture(motion: Motion, out: Path, *, size: int = 480, fps: float = 20
     Raises
     ------
     QueryError
-        If the ending is none of these, the motion too long for a .gif, or there is no ffmpeg for an .mp4.
+        If the ending is none of these, or the motion too long for a .gif.
+    MissingProgram
+        If there is no ffmpeg for an .mp4.
     """
     writer = WRITERS.get(out.suffix.lower())
     if writer is None:
@@ -153,7 +155,7 @@ def _ffmpeg() -> str:
 
     Raises
     ------
-    QueryError
+    MissingProgram
         If there is neither.
     """
     found = which("ffmpeg")
@@ -164,4 +166,4 @@ def _ffmpeg() -> str:
 
         return str(get_ffmpeg_exe())
     except (ImportError, RuntimeError):
-        raise QueryError(NO_FFMPEG) from None
+        raise MissingProgram(NO_FFMPEG) from None

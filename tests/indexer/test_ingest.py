@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.errors import BundleMismatch, LibraryError
+from encoders.errors import BundleMismatch, LibraryError, LibraryLocked
 from encoders.motion import Motion
 from indexer.ingest import captions, indexing
 from indexer.ingest.indexing import index, reencode
@@ -380,7 +380,7 @@ def test_one_writer_at_a_time_and_it_is_named(root, bundle):
     index(root, bundle=bundle)
     with (
         write_lock(root / FOLDER),
-        pytest.raises(LibraryError, match=rf"being written by process {os.getpid()} on .*; wait until"),
+        pytest.raises(LibraryLocked, match=rf"being written by process {os.getpid()} on .*; wait until"),
     ):
         index(root, bundle=bundle)
     assert counts(index(root, bundle=bundle)) == (0, 3, 0, 0, 0)

@@ -5,7 +5,7 @@ import threading
 import numpy as np
 import pytest
 
-from encoders.errors import BundleMismatch, LibraryError
+from encoders.errors import BundleMismatch, LibraryDamaged, LibraryError, LibraryNotFound, UnknownClip
 from encoders.motion import Motion
 from indexer.ingest import indexing
 from indexer.ingest.pool import Read
@@ -55,7 +55,7 @@ def test_a_library_is_opened_by_the_indexed_folder_or_by_its_own(folder, bundle)
 
 
 def test_opening_a_folder_without_a_library_says_what_to_do(tmp_path):
-    with pytest.raises(LibraryError, match=r"no library here; make one with 'motionseek index "):
+    with pytest.raises(LibraryNotFound, match=r"no library here; make one with 'motionseek index "):
         StoredLibrary.open(tmp_path)
 
 
@@ -91,7 +91,7 @@ def test_clips_are_found_by_path_name_and_number(library, folder, monkeypatch):
     [("#77", "no clip #77"), ("nothing.bvh", "no clip of that path or name"), ("turn", "2 clips are called so")],
 )
 def test_what_is_not_one_clip_is_an_error(library, ref, reason):
-    with pytest.raises(LibraryError, match=reason):
+    with pytest.raises(UnknownClip, match=reason):
         library.find(ref)
 
 
@@ -263,9 +263,12 @@ def test_an_indexed_folder_can_be_renamed_with_its_library(folder, bundle):
     assert indexing.index(moved, bundle=bundle).unchanged == 4
 
 
-def test_a_damaged_library_is_an_error_that_says_so(tmp_path):
-    (tmp_path / FILE).write_bytes(b"no database at all" * 100)
-    with pytest.raises(LibraryError, match="cannot be opened as a library"):
+@pytest.mark.parametrize(
+    ("content", "reason"), [(b"no database" * 100, "cannot be opened as a library"), (b"", "holds no tables")]
+)
+def test_a_damaged_library_is_an_error_that_says_so(tmp_path, content, reason):
+    (tmp_path / FILE).write_bytes(content)
+    with pytest.raises(LibraryDamaged, match=reason):
         len(StoredLibrary.open(tmp_path))
 
 

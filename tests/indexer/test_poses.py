@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.errors import LibraryError
+from encoders.errors import LibraryDamaged
 from indexer.store.poses import CHUNK, STEP, pack, pack_all, unpack
 from tests.indexer.folders import moving
 
@@ -42,12 +42,12 @@ def test_poses_are_stored_small():
 
 @pytest.mark.parametrize("damage", [lambda b: b[:20], lambda b: b[:-9], lambda b: b"", lambda b: b[:40] + b[9:]])
 def test_damaged_poses_are_an_error(damage):
-    with pytest.raises(LibraryError, match="poses are damaged"):
+    with pytest.raises(LibraryDamaged, match="poses are damaged"):
         unpack(damage(pack(moving(3).astype(np.float32))))
 
 
 def test_a_header_cannot_ask_for_more_than_a_chunk():
     blob = bytearray(pack(moving(3).astype(np.float32)))
     blob[:4] = (2**31).to_bytes(4, "little")
-    with pytest.raises(LibraryError):
+    with pytest.raises(LibraryDamaged):
         unpack(bytes(blob))

@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 from encoders.drawing.capsules import CAPSULES, aim, capsules
-from encoders.errors import QueryError
+from encoders.errors import MissingProgram, QueryError
 from encoders.motion import Motion
 from search.drawing import film
 from search.drawing.film import write_picture
@@ -125,7 +125,7 @@ def test_without_ffmpeg_it_says_what_to_install(tmp_path: Path, monkeypatch: pyt
 
     monkeypatch.setattr(film, "which", lambda _: None)
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(QueryError, match="pip install imageio-ffmpeg"):
+    with pytest.raises(MissingProgram, match="pip install imageio-ffmpeg"):
         write_picture(made_motion(1, 0), tmp_path / "a.mp4")
     assert list(tmp_path.iterdir()) == []
 
