@@ -21,7 +21,7 @@ _CHUNK = 1024
 
 
 @dataclass(frozen=True)
-class Grounds:
+class StaleCriterion:
     """What an answer stands on.
 
     Attributes
@@ -42,7 +42,7 @@ class AnswerCache:
     def __init__(self, generation: int, size: int = 4096) -> None:
         self._generation = generation
         self._size = size
-        self._held: OrderedDict[Hashable, tuple[bytes, Grounds]] = OrderedDict()
+        self._held: OrderedDict[Hashable, tuple[bytes, StaleCriterion]] = OrderedDict()
         self._lock = threading.Lock()
 
     def __len__(self) -> int:
@@ -56,7 +56,7 @@ class AnswerCache:
             self._held.move_to_end(key)
             return self._held[key][0]
 
-    def put(self, key: Hashable, answer: bytes, grounds: Grounds, generation: int) -> None:
+    def put(self, key: Hashable, answer: bytes, grounds: StaleCriterion, generation: int) -> None:
         """Remember an answer that was found in this generation of the library; if it has grown since, do not."""
         with self._lock:
             if generation != self._generation:

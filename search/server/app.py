@@ -9,23 +9,23 @@ from importlib.metadata import version
 from fastapi import FastAPI
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from search.server import error_responses
-from search.server.guard import Guard
-from search.server.page import Page
-from search.server.prometheus import Measured
+from search.server import exception_handlers
+from search.server.app_state import AppState
+from search.server.prometheus import MetricsMiddleware
 from search.server.routes import health, library, motions, search
-from search.server.served import ServedLibrary
-from search.server.state import State
-from search.server.uploads import Limits
+from search.server.security import SecurityMiddleware
+from search.server.snapshot_library import SnapshotLibrary
+from search.server.static_page import StaticPage
+from search.server.uploads import UploadLimits
 
 
 def create_app(
-    served: ServedLibrary,
+    served: SnapshotLibrary,
     *,
     host: str = "127.0.0.1",
     names: Iterable[str] = (),
     token: str | None = None,
-    limits: Limits | None = None,
+    limits: UploadLimits | None = None,
 ) -> ASGIApp:
     """The server of one library, which it closes when it shuts down.
 
@@ -37,10 +37,10 @@ def create_app(
         Further names it is known by.
     token : str, optional
         What every request must carry.
-    limits : Limits, optional
+    limits : UploadLimits, optional
         What an upload may cost.
     """
-    state = State(served, limits)
+    state = AppState(served, limits)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -56,15 +56,17 @@ def create_app(
         redoc_url=None,
         lifespan=lifespan,
     )
-    error_responses.install(app)
+    exception_handlers.install(app)
     for module in (search, motions, library, health):
         app.include_router(module.routes(state))
-    app.mount("/", Page())
+    app.mount("/", StaticPage())
     # Around the app rather than among its middleware, so that even an unexpected error is counted and guarded.
-    return Heads(Measured(Guard(app, host=host, names=names, token=token), state.metrics))
+    return HeadMiddleware(
+        MetricsMiddleware(SecurityMiddleware(app, host=host, names=names, token=token), state.metrics)
+    )
 
 
-class Heads:
+class HeadMiddleware:
     """ASGI middleware: HEAD is answered as GET is, without the body. FastAPI's routes know GET alone."""
 
     def __init__(self, app: ASGIApp) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from fastapi import Depends, Query
 
-from search.server.error_responses import Refused
+from search.server.exception_handlers import Refused
 
 _TEXT = {"min_length": 1, "max_length": 500}
 

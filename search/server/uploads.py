@@ -1,4 +1,4 @@
-"""Uploads: a file's bytes taken in under limits, read in a process that can be killed, kept in memory for a while."""
+"""Uploads: a file is received under limits, read in a process that can be killed, and kept in memory for a while."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from starlette.requests import ClientDisconnect, Request
 
 from indexer.formats.table import READABLE
 from indexer.ingest import pool
-from search.server.error_responses import BUSY, Refused
-from search.server.upload_reading import READ
+from search.server.exception_handlers import BUSY, Refused
+from search.server.sandboxed_reader import READ
 from search.source import MotionSource
 
 
 @dataclass(frozen=True)
-class Limits:
+class UploadLimits:
     """What an upload may cost.
 
     Attributes
@@ -35,9 +35,9 @@ class Limits:
     patience : float
         Seconds for it to be read, and two more for each MB.
     at_once : int
-        Uploads in the works.
+        UploadStore in the works.
     kept : int
-        Uploads that are remembered.
+        UploadStore that are remembered.
     kept_bytes : int
         Memory for them.
     """
@@ -60,11 +60,11 @@ class Upload:
     rig: str
 
 
-class Uploads:
+class UploadStore:
     """The uploads of a server."""
 
-    def __init__(self, limits: Limits | None = None) -> None:
-        self._limits = limits or Limits()
+    def __init__(self, limits: UploadLimits | None = None) -> None:
+        self._limits = limits or UploadLimits()
         self._held: OrderedDict[str, Upload] = OrderedDict()
         self._lock = threading.Lock()
         self._running = 0

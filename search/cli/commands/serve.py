@@ -46,10 +46,10 @@ def serve(
 
     from search.cli.locate import locate
     from search.server.app import create_app
-    from search.server.guard import is_loopback
     from search.server.listen import address, listen
     from search.server.listen import serve as run
-    from search.server.served import ServedLibrary
+    from search.server.security import is_loopback
+    from search.server.snapshot_library import SnapshotLibrary
 
     if token is None and not is_loopback(host):
         raise click.UsageError(
@@ -59,7 +59,7 @@ def serve(
         raise click.UsageError("--token must have at least 16 characters, or it can be guessed")
     if token is not None and not all("!" <= character <= "~" for character in token):
         raise click.UsageError("--token must be of ASCII characters without spaces, or it cannot be sent in a header")
-    library = ServedLibrary.open(locate(folder))
+    library = SnapshotLibrary.open(locate(folder))
     library.warm()
     listening = listen(host, port)
     url = address(listening, host) + (f"?token={quote(token, safe='')}" if token else "")

@@ -7,25 +7,26 @@ from importlib.metadata import version
 
 from fastapi import APIRouter, Response
 
-from search.map import layout
+from search.map import map_file
+from search.map.layout import make_map
 from search.query.vocabulary import vocabulary
-from search.server import documents
-from search.server.documents import answer, encoded
-from search.server.error_responses import ANY, ok
-from search.server.state import State
+from search.server import response_models
+from search.server.app_state import AppState
+from search.server.exception_handlers import ANY, ok
+from search.server.response_models import answer, encoded
 
 
-def routes(state: State) -> APIRouter:
+def routes(state: AppState) -> APIRouter:
     """The routes about the library."""
     router = APIRouter(prefix="/api", tags=["library"], default_response_class=Response, responses=ANY)
     library = state.library
 
-    @router.get("/stats", responses=ok(documents.StatsShape))
+    @router.get("/stats", responses=ok(response_models.StatsResponse))
     def stats() -> Response:
         """What the library holds, in numbers."""
         return answer(library.stats() | {"version": version("motionseek")})
 
-    @router.get("/map", responses=ok(documents.MapShape))
+    @router.get("/map", responses=ok(response_models.MapResponse))
     async def whole_map() -> Response:
         """Every clip as a point of a plane, near where clips are alike, with what it looks like most."""
         return encoded(await state.remembered(("map",), lambda: _map(state)))
@@ -33,19 +34,13 @@ def routes(state: State) -> APIRouter:
     return router
 
 
-def _map(state: State) -> bytes:
+def _map(state: AppState) -> bytes:
     library, snapshot = state.library, state.library.snapshot
     folder = library.folder / "previews"
-    made = layout.load(folder, snapshot.generation)
-    if made is None:
-        rows = snapshot.clips.rows
-        texts = vocabulary()
-        made = layout.make(
-            snapshot.generation,
-            rows.owners,
-            rows.vectors.astype("float32"),
-            texts,
-            library.bundle.encode_texts(list(texts)),
-        )
-        layout.save(folder, made)
-    return json.dumps(made.document(), separators=(",", ":")).encode()
+    library_map = map_file.load(folder, snapshot.generation)
+    if library_map is None:
+        rows, texts = snapshot.clips.rows, vocabulary()
+        text_vectors = library.bundle.encode_texts(list(texts))
+        library_map = make_map(snapshot.generation, rows.owners, rows.vectors.astype("float32"), texts, text_vectors)
+        map_file.save(folder, library_map)
+    return json.dumps(library_map.document(), separators=(",", ":")).encode()

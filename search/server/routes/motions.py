@@ -16,11 +16,11 @@ from encoders.motion import FPS, Motion
 from encoders.skeleton import JOINTS, PARENTS
 from indexer.store.clips import Clip
 from search.export.cut import write_cut
-from search.server import documents, joints
-from search.server.documents import answer
-from search.server.error_responses import ANY, NO_CLIP, ok
+from search.server import joints_binary, response_models
+from search.server.app_state import AppState
+from search.server.exception_handlers import ANY, NO_CLIP, ok
 from search.server.parameters import ClipRef, Count, Filters, Span
-from search.server.state import State
+from search.server.response_models import answer
 from search.server.uploads import Upload
 
 _Clip = Annotated[str, InPath(pattern=r"^([0-9]{1,18}|u[0-9a-f]{32})$")]
@@ -29,15 +29,15 @@ _BYTES: dict[int | str, dict[str, Any]] = {
 }
 
 
-def routes(state: State) -> APIRouter:
+def routes(state: AppState) -> APIRouter:
     """The routes about motions."""
     router = APIRouter(prefix="/api", tags=["motions"], default_response_class=Response, responses=ANY)
     library = state.library
 
     def captioned(clip: Clip) -> dict[str, Any]:
-        return documents.motion(clip) | {"captions": documents.captions(library.captions(clip.id))}
+        return response_models.motion(clip) | {"captions": response_models.captions(library.captions(clip.id))}
 
-    @router.get("/motions", responses=ok(documents.MotionsShape))
+    @router.get("/motions", responses=ok(response_models.MotionsResponse))
     def motions(given: Filters, offset: Annotated[int, Query(ge=0, le=10**9)] = 0, limit: Count = 24) -> Response:
         """The library page by page, in order of clip numbers."""
         allowed = library.allowed(**given)
@@ -45,7 +45,7 @@ def routes(state: State) -> APIRouter:
         clips = library.clips(ids[offset : offset + limit].tolist())
         return answer({"total": len(ids), "motions": [captioned(clip) for clip in clips.values()]})
 
-    @router.get("/motions/{clip}", responses=ok(documents.CaptionedMotionShape) | NO_CLIP)
+    @router.get("/motions/{clip}", responses=ok(response_models.MotionResponse) | NO_CLIP)
     def motion(clip: _Clip) -> Response:
         """What is known of a motion."""
         found = state.clip(clip)
@@ -64,10 +64,10 @@ def routes(state: State) -> APIRouter:
         if request.headers.get("if-none-match") == tag:
             return Response(status_code=304, headers=headers)
         cut, begin = _cut(state, clip, start or 0.0, end)
-        data = joints.pack(cut if fps == cut.fps else cut.resample(fps), begin)
+        data = joints_binary.pack(cut if fps == cut.fps else cut.resample(fps), begin)
         return Response(data, media_type="application/octet-stream", headers=headers)
 
-    @router.get("/skeleton", responses=ok(documents.SkeletonShape))
+    @router.get("/skeleton", responses=ok(response_models.SkeletonResponse))
     def skeleton() -> Response:
         """The 22 joints: their names and parents."""
         return answer({"joints": list(JOINTS), "parents": PARENTS.tolist()})
@@ -95,7 +95,7 @@ def routes(state: State) -> APIRouter:
     return router
 
 
-def _cut(state: State, ref: str, start: float, end: float | None) -> tuple[Motion, float]:
+def _cut(state: AppState, ref: str, start: float, end: float | None) -> tuple[Motion, float]:
     """A span of a motion, and the second of its first frame; of a clip only the stored pieces it touches are read."""
     found = state.clip(ref)
     if isinstance(found, Upload):

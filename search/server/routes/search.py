@@ -9,12 +9,12 @@ from fastapi import APIRouter, Query, Request, Response
 
 from search.moments.one_take import curves, describe_motion, moments_in
 from search.query.question import Question
-from search.server import documents
-from search.server.documents import encoded
-from search.server.error_responses import ANY, NO_CLIP, UPLOAD, ok
+from search.server import response_models
+from search.server.app_state import AppState
+from search.server.exception_handlers import ANY, NO_CLIP, UPLOAD, ok
 from search.server.parameters import ClipRef, Count, FileName, Filters, NearOffset, Offset, Sentence, Sentences, Span
-from search.server.served import Search
-from search.server.state import State
+from search.server.response_models import encoded
+from search.server.snapshot_library import SearchRequest
 from search.source import MotionSource
 
 Given = dict[str, Any]
@@ -27,23 +27,23 @@ _BODY: dict[str, Any] = {
 }
 
 
-def routes(state: State) -> APIRouter:
+def routes(state: AppState) -> APIRouter:
     """The routes that answer questions."""
     router = APIRouter(prefix="/api", tags=["asking"], default_response_class=Response, responses=ANY)
     library = state.library
 
-    @router.get("/search", responses=ok(documents.HitsShape))
+    @router.get("/search", responses=ok(response_models.SearchResponse))
     async def search(q: Sentence, given: Filters, k: Count = 10, offset: Offset = 0) -> Response:
         """The clips that fit a sentence best, each with the span that does."""
-        question, generation = Search(q, offset + k, tuple(given.items())), library.snapshot.generation
+        question, generation = SearchRequest(q, offset + k, tuple(given.items())), library.snapshot.generation
         document = library.standing.get((question, offset))
         if document is None:
             hits = await state.search(question)
-            document = _written({"query": q, "hits": documents.hits(hits[offset:])})
+            document = _written({"query": q, "hits": response_models.hits(hits[offset:])})
             library.standing.put((question, offset), document, library.grounds(question, hits), generation)
         return encoded(document)
 
-    @router.get("/moments", responses=ok(documents.MomentsShape) | NO_CLIP)
+    @router.get("/moments", responses=ok(response_models.MomentsResponse) | NO_CLIP)
     async def moments(
         request: Request,
         given: Filters,
@@ -60,17 +60,17 @@ def routes(state: State) -> APIRouter:
 
         def in_library() -> bytes:
             found = library.answer(question, k=offset + k, **given)[offset:]
-            return _written(_moments(question, documents.hits(found)))
+            return _written(_moments(question, response_models.hits(found)))
 
         def in_clip() -> bytes:
             assert clip is not None
             source = state.source(clip)
-            found = documents.hits(moments_in(library.bundle, source, question, offset + k)[offset:], clip)
+            found = response_models.hits(moments_in(library.bundle, source, question, offset + k)[offset:], clip)
             return _written(_moments(question, found) | {"curve": _curve(state, source, question)})
 
         return encoded(await state.remembered(_asked(request), in_library if clip is None else in_clip))
 
-    @router.get("/curve", responses=ok(documents.ClipCurveShape) | NO_CLIP)
+    @router.get("/curve", responses=ok(response_models.CurveResponse) | NO_CLIP)
     async def curve(request: Request, clip: ClipRef, q: Sentences) -> Response:
         """Similarity over time of one take to sentences."""
         question = _several(q)
@@ -88,12 +88,12 @@ def routes(state: State) -> APIRouter:
         sentences = [{"text": text, "score": round(score, 4)} for text, score in found]
         return _written({"path": source.path, "sentences": sentences, "clip": _ref(source, ref)})
 
-    @router.get("/describe", responses=ok(documents.DescriptionShape) | NO_CLIP)
+    @router.get("/describe", responses=ok(response_models.DescribeResponse) | NO_CLIP)
     async def describe(request: Request, clip: ClipRef, span: Span, k: Count = 5) -> Response:
         """The sentences that fit a clip, or a span of it, best."""
         return encoded(await state.remembered(_asked(request), lambda: described(state.source(clip), clip, span, k)))
 
-    @router.post("/describe", openapi_extra=_BODY, responses=ok(documents.DescriptionShape) | UPLOAD)
+    @router.post("/describe", openapi_extra=_BODY, responses=ok(response_models.DescribeResponse) | UPLOAD)
     async def describe_upload(request: Request, name: FileName, span: Span, k: Count = 5) -> Response:
         """The sentences that fit an uploaded motion best."""
         upload = await state.uploads.receive(request, name)
@@ -108,9 +108,9 @@ def routes(state: State) -> APIRouter:
         given: Given,
     ) -> bytes:
         found = library.similar(cast(Any, source), part.stop, *span, moments=moments, **given)[part]
-        return _written({"query": source.path, "hits": documents.hits(found), "clip": _ref(source, ref)})
+        return _written({"query": source.path, "hits": response_models.hits(found), "clip": _ref(source, ref)})
 
-    @router.get("/similar", responses=ok(documents.SimilarShape) | NO_CLIP)
+    @router.get("/similar", responses=ok(response_models.SimilarResponse) | NO_CLIP)
     async def similar(
         request: Request,
         clip: ClipRef,
@@ -128,7 +128,7 @@ def routes(state: State) -> APIRouter:
 
         return encoded(await state.remembered(_asked(request), make))
 
-    @router.post("/similar", openapi_extra=_BODY, responses=ok(documents.SimilarShape) | UPLOAD)
+    @router.post("/similar", openapi_extra=_BODY, responses=ok(response_models.SimilarResponse) | UPLOAD)
     async def similar_upload(
         request: Request,
         name: FileName,
@@ -173,7 +173,7 @@ def _moments(question: Question, hits: list[dict[str, Any]]) -> dict[str, Any]:
     return content
 
 
-def _curve(state: State, source: MotionSource, question: Question) -> dict[str, Any]:
+def _curve(state: AppState, source: MotionSource, question: Question) -> dict[str, Any]:
     bundle = state.library.bundle
     times, similarity = curves(bundle, source, question.encode(bundle))
     named = zip(question.sentences, similarity.round(4).astype(float).round(4).tolist(), strict=True)

@@ -21,7 +21,7 @@ from playwright.sync_api import sync_playwright
 
 from encoders.bundle.bundle import Bundle
 from search.server.app import create_app
-from search.server.served import ServedLibrary
+from search.server.snapshot_library import SnapshotLibrary
 
 #: Quiet, off the network, and WebGL without a graphics card.
 _FLAGS = (
@@ -48,7 +48,7 @@ def serving(folder: Path, bundle: Bundle) -> Iterator[str]:
     """Serve a library from a thread; gives its address."""
     listening = socket.socket()
     listening.bind(("127.0.0.1", 0))
-    app = create_app(ServedLibrary.open(folder, bundle=bundle))
+    app = create_app(SnapshotLibrary.open(folder, bundle=bundle))
     server = uvicorn.Server(uvicorn.Config(app, log_level="warning"))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]})
     thread.start()

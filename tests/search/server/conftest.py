@@ -17,7 +17,7 @@ from starlette.testclient import TestClient
 
 from encoders.bundle.bundle import Bundle
 from search.server.app import create_app
-from search.server.served import ServedLibrary
+from search.server.snapshot_library import SnapshotLibrary
 
 Asked = Callable[..., Any]
 
@@ -31,7 +31,7 @@ def bundle(tiny_bundle: Path) -> Bundle:
 @pytest.fixture(scope="session")
 def client(indexed: Path, bundle: Bundle) -> Iterator[TestClient]:
     """Asks the server of the indexed takes. The library is not to be changed."""
-    app = create_app(ServedLibrary.open(indexed, bundle=bundle))
+    app = create_app(SnapshotLibrary.open(indexed, bundle=bundle))
     with TestClient(app, base_url="http://127.0.0.1:8420") as asking:
         yield asking
 
@@ -45,7 +45,7 @@ def served(indexed: Path, bundle: Bundle, tmp_path: Path) -> Iterator[Callable[.
             folder = tmp_path / "takes"
             if not folder.exists():
                 shutil.copytree(indexed, folder)
-            app = create_app(ServedLibrary.open(folder, bundle=bundle), **options)
+            app = create_app(SnapshotLibrary.open(folder, bundle=bundle), **options)
             return stack.enter_context(TestClient(app, base_url="http://127.0.0.1:8420"))
 
         yield make

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from search.server.app import create_app
-from search.server.served import ServedLibrary
+from search.server.snapshot_library import SnapshotLibrary
 
 schemathesis = pytest.importorskip("schemathesis")
 _checks = pytest.importorskip("schemathesis.specs.openapi.checks")
@@ -15,7 +15,7 @@ _checks = pytest.importorskip("schemathesis.specs.openapi.checks")
 @pytest.fixture(scope="module")
 def described(indexed, bundle):
     """The server as its description tells of it."""
-    app = create_app(ServedLibrary.open(indexed, bundle=bundle))
+    app = create_app(SnapshotLibrary.open(indexed, bundle=bundle))
     return schemathesis.openapi.from_asgi("/openapi.json", app, headers={"Host": "127.0.0.1"})
 
 

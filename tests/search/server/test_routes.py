@@ -12,7 +12,7 @@ import pytest
 from encoders.skeleton import JOINTS
 from indexer.formats.table import read_take
 from indexer.store.stored_library import StoredLibrary
-from search.server import joints
+from search.server import joints_binary
 
 BVH, LONG, CAPTIONED = "deep er/bücken.bvh", "take 3.npy", "take 1.npy"
 
@@ -164,12 +164,12 @@ def test_a_motion_with_its_captions(ask, number):
 
 def test_the_joints_of_a_span(client, number, indexed):
     response = client.get(f"/api/motions/{number(LONG)}/joints", params={"start": 9.5, "end": 12})
-    motion, start = joints.unpack(response.content)
+    motion, start = joints_binary.unpack(response.content)
     assert (start, motion.fps, len(motion)) == (9.5, 20.0, 50)
     with StoredLibrary.open(indexed) as library:
         want = library.motion(number(LONG), 9.5, 12)
     np.testing.assert_allclose(motion.joints, want.joints, atol=1.1e-4)
-    slower, _ = joints.unpack(client.get(f"/api/motions/{number(LONG)}/joints", params={"fps": 5}).content)
+    slower, _ = joints_binary.unpack(client.get(f"/api/motions/{number(LONG)}/joints", params={"fps": 5}).content)
     assert (slower.fps, len(slower)) == (5.0, 100)
 
 
@@ -184,9 +184,9 @@ def test_joints_are_sent_again_only_when_they_changed(client, number):
 
 @pytest.mark.parametrize(("start", "begin"), [(1.0, 1.0), (1.02, 1.0), (1.03, 1.05), (19.99, 19.95)])
 def test_joints_say_at_which_frame_they_begin(client, number, start, begin):
-    cut, said = joints.unpack(client.get(f"/api/motions/{number(LONG)}/joints", params={"start": start}).content)
+    cut, said = joints_binary.unpack(client.get(f"/api/motions/{number(LONG)}/joints", params={"start": start}).content)
     assert said == pytest.approx(begin)
-    whole, _ = joints.unpack(client.get(f"/api/motions/{number(LONG)}/joints").content)
+    whole, _ = joints_binary.unpack(client.get(f"/api/motions/{number(LONG)}/joints").content)
     np.testing.assert_allclose(cut.joints, whole.joints[round(begin * 20) :], atol=1e-3)
 
 

@@ -1,4 +1,4 @@
-"""Uploads: read like a file of one's own, under limits that hold against whoever means ill."""
+"""UploadStore: read like a file of one's own, under limits that hold against whoever means ill."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import pytest
 from starlette.requests import Request
 
 from search.export import bvh_writer
-from search.server import joints, upload_reading
-from search.server.error_responses import Refused
-from search.server.uploads import Limits, Uploads
+from search.server import joints_binary, sandboxed_reader
+from search.server.exception_handlers import Refused
+from search.server.uploads import UploadLimits, UploadStore
 from tests.search.conftest import made_motion
 
 
@@ -52,7 +52,7 @@ def test_an_upload_is_a_clip_from_then_on(client, ask, dance):
     clip = client.post("/api/describe", params={"name": "dance.bvh"}, content=dance).json()["clip"]
     motion = ask(f"/api/motions/{clip}")
     assert (motion["clip"], motion["path"], motion["name"], motion["format"]) == (clip, "dance.bvh", "dance", "bvh")
-    drawn, _ = joints.unpack(client.get(f"/api/motions/{clip}/joints").content)
+    drawn, _ = joints_binary.unpack(client.get(f"/api/motions/{clip}/joints").content)
     assert len(drawn) == motion["frames"] == 60
     assert ask("/api/curve", clip=clip, q="walks")["clip"] == clip
     assert ask("/api/moments", clip=clip, q="walks")["hits"][0]["clip"] == clip
@@ -97,13 +97,13 @@ def test_a_header_that_lies_about_its_size_costs_no_memory(client):
 
 
 def test_an_upload_that_says_it_is_too_large_is_not_read(served):
-    client = served(limits=Limits(bytes=1000))
+    client = served(limits=UploadLimits(bytes=1000))
     response = client.post("/api/describe", params={"name": "x.bvh"}, content=b"x" * 1001)
     assert (response.status_code, list(response.json())) == (413, ["error"])
 
 
 def test_an_upload_that_says_nothing_is_counted(served):
-    client = served(limits=Limits(bytes=1000))
+    client = served(limits=UploadLimits(bytes=1000))
     sent = 0
 
     def endless() -> Iterator[bytes]:
@@ -116,7 +116,7 @@ def test_an_upload_that_says_nothing_is_counted(served):
     assert response.status_code == 413
 
 
-async def _received(uploads: Uploads, chunks: Iterator[tuple[float, bytes]]) -> None:
+async def _received(uploads: UploadStore, chunks: Iterator[tuple[float, bytes]]) -> None:
     """A request whose body comes in chunks, each after so many seconds."""
 
     async def receive():
@@ -128,7 +128,7 @@ async def _received(uploads: Uploads, chunks: Iterator[tuple[float, bytes]]) -> 
 
 
 def test_a_slow_upload_is_given_up():
-    uploads = Uploads(Limits(seconds=0.1))
+    uploads = UploadStore(UploadLimits(seconds=0.1))
     slow = iter([(0.04, b"x")] * 1000)
     began = time.monotonic()
     with pytest.raises(Refused) as refused:
@@ -138,7 +138,7 @@ def test_a_slow_upload_is_given_up():
 
 
 def test_a_broken_off_upload_leaves_its_place_to_others():
-    uploads = Uploads(Limits(at_once=1))
+    uploads = UploadStore(UploadLimits(at_once=1))
 
     async def broken_off():
         async def receive():
@@ -154,7 +154,7 @@ def test_a_broken_off_upload_leaves_its_place_to_others():
 
 def test_only_some_uploads_at_once():
     async def two() -> list[int]:
-        uploads, codes = Uploads(Limits(seconds=0.2, at_once=1)), []
+        uploads, codes = UploadStore(UploadLimits(seconds=0.2, at_once=1)), []
 
         async def one() -> None:
             with pytest.raises(Refused) as refused:
@@ -173,8 +173,8 @@ def test_only_some_uploads_at_once():
     ("target", "reason"), [("hangs", "took more than"), ("crashes", "crashed"), ("eats", "more memory")]
 )
 def test_a_file_that_turns_on_its_reader_costs_its_reader_alone(served, dance, monkeypatch, target, reason):
-    client = served(limits=Limits(patience=1.0))
-    monkeypatch.setattr("search.server.uploads.READ", f"tests.search.server.turned:{target}")
+    client = served(limits=UploadLimits(patience=1.0))
+    monkeypatch.setattr("search.server.uploads.READ", f"tests.search.server.hostile_readers:{target}")
     response = client.post("/api/describe", params={"name": "x.bvh"}, content=dance)
     assert response.status_code == 422
     assert reason in response.json()["error"]
@@ -183,7 +183,7 @@ def test_a_file_that_turns_on_its_reader_costs_its_reader_alone(served, dance, m
 
 
 def test_the_oldest_uploads_are_forgotten(served, dance):
-    client = served(limits=Limits(kept=2))
+    client = served(limits=UploadLimits(kept=2))
     clips = [client.post("/api/describe", params={"name": "x.bvh"}, content=dance).json()["clip"] for _ in range(3)]
     assert [client.get(f"/api/motions/{clip}").status_code for clip in clips] == [404, 200, 200]
 
@@ -200,8 +200,8 @@ def test_nothing_is_left_on_disk(served, dance, tmp_path, monkeypatch):
 
 def test_the_longest_upload_is_two_hours(monkeypatch):
     monkeypatch.setattr("indexer.ingest.worker.read", lambda *_: (made_motion(3.0, 5), "rig"))
-    monkeypatch.setattr(upload_reading, "_limit", lambda: None)
-    assert len(upload_reading.read("x.bvh", None, None)[0]) == 60
-    monkeypatch.setattr(upload_reading, "MOST_FRAMES", 59)
+    monkeypatch.setattr(sandboxed_reader, "_limit", lambda: None)
+    assert len(sandboxed_reader.read("x.bvh", None, None)[0]) == 60
+    monkeypatch.setattr(sandboxed_reader, "MOST_FRAMES", 59)
     with pytest.raises(MemoryError):
-        upload_reading.read("x.bvh", None, None)
+        sandboxed_reader.read("x.bvh", None, None)

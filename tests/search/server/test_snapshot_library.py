@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from indexer.ingest import indexing
-from search.server.served import Search, ServedLibrary
+from search.server.snapshot_library import SearchRequest, SnapshotLibrary
 from tests.search.conftest import made_motion
 
 
@@ -45,11 +45,11 @@ def test_what_is_gone_is_found_no_more(served, bundle, tmp_path: Path):
 def test_a_clip_that_goes_between_two_looks_is_left_out(served, bundle, tmp_path: Path):
     served()
     folder = tmp_path / "takes"
-    with ServedLibrary.open(folder, bundle=bundle) as library:  # watches for nothing
+    with SnapshotLibrary.open(folder, bundle=bundle) as library:  # watches for nothing
         (folder / "take 2.npy").unlink()
         indexing.index(folder, bundle=bundle, jobs=1)
         assert len(library) == 5
-        (found,) = library.search_all([Search("walks", 10)])
+        (found,) = library.search_all([SearchRequest("walks", 10)])
     assert not isinstance(found, Exception)
     assert len(found) == 4
 
@@ -72,7 +72,7 @@ def test_a_library_of_another_model_is_no_longer_answered_from(served, bundle, m
     assert client.get("/healthz").status_code == 200
     monkeypatch.setattr(bundle, "fingerprint", "0" * 64)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ServedLibrary, "generation", 10**6)
+        patch.setattr(SnapshotLibrary, "generation", 10**6)
         until = time.monotonic() + 10
         while (response := client.get("/healthz")).status_code == 200:
             assert time.monotonic() < until
@@ -84,7 +84,7 @@ def test_a_library_of_another_model_is_no_longer_answered_from(served, bundle, m
 def test_what_is_remembered_of_a_clip_outlives_growth_and_not_a_change_of_the_clip(served, bundle, tmp_path: Path):
     served()
     folder = tmp_path / "takes"
-    with ServedLibrary.open(folder, bundle=bundle) as library:  # refreshed by hand
+    with SnapshotLibrary.open(folder, bundle=bundle) as library:  # refreshed by hand
         clips = {clip.path: clip for clip in library.clips(library.ids()).values()}
         np.save(folder / "new.npy", made_motion(5.0, 77).joints)
         (folder / "take 2.npy").rename(folder / "renamed.npy")

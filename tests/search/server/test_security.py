@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from search.server.guard import is_loopback
+from search.server.security import is_loopback
 
 TOKEN = "a-token-that-nobody-guesses"
 SCRIPT = '</script><script>alert("1")</script>'
@@ -247,10 +247,10 @@ def test_an_unexpected_fault_says_nothing_of_the_server(indexed, bundle, monkeyp
     from starlette.testclient import TestClient
 
     from search.server.app import create_app
-    from search.server.served import ServedLibrary
+    from search.server.snapshot_library import SnapshotLibrary
 
-    app = create_app(ServedLibrary.open(indexed, bundle=bundle))
-    monkeypatch.setattr(ServedLibrary, "stats", lambda self: 1 / 0)
+    app = create_app(SnapshotLibrary.open(indexed, bundle=bundle))
+    monkeypatch.setattr(SnapshotLibrary, "stats", lambda self: 1 / 0)
     with TestClient(app, base_url="http://127.0.0.1", raise_server_exceptions=False) as client:
         response = client.get("/api/stats")
     assert response.status_code == 500

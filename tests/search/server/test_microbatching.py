@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import pytest
 
 from search.server.cache import Cache
-from search.server.request_batches import Batcher, Overloaded
-from search.server.served import Search, ServedLibrary
+from search.server.microbatching import MicroBatcher, ServerBusy
+from search.server.snapshot_library import SearchRequest, SnapshotLibrary
 
 
 def test_what_comes_while_a_batch_is_answered_is_the_next_batch():
@@ -25,7 +25,7 @@ def test_what_comes_while_a_batch_is_answered_is_the_next_batch():
         return [item * 10 for item in items]
 
     async def asked() -> list[int]:
-        batcher: Batcher[int, int] = Batcher(answer)
+        batcher: MicroBatcher[int, int] = MicroBatcher(answer)
         first = asyncio.ensure_future(batcher.ask(1))
         await asyncio.to_thread(begun.wait, 10)
         rest = [asyncio.ensure_future(batcher.ask(item)) for item in (2, 3, 4)]
@@ -45,7 +45,7 @@ def test_one_answer_may_be_an_error_and_the_others_not():
         return [ValueError("odd") if item % 2 else item for item in items]
 
     async def asked() -> list[object]:
-        batcher: Batcher[int, int] = Batcher(answer)
+        batcher: MicroBatcher[int, int] = MicroBatcher(answer)
         answers = await asyncio.gather(*(batcher.ask(item) for item in range(4)), return_exceptions=True)
         batcher.close()
         return [str(answer) for answer in answers]
@@ -58,7 +58,7 @@ def test_a_batch_that_fails_fails_all_and_the_next_is_answered():
         return [1 // item for item in items]
 
     async def asked() -> int:
-        batcher: Batcher[int, int] = Batcher(answer)
+        batcher: MicroBatcher[int, int] = MicroBatcher(answer)
         with pytest.raises(ZeroDivisionError):
             await batcher.ask(0)
         found = await batcher.ask(1)
@@ -76,10 +76,10 @@ def test_too_many_that_wait_are_refused():
         return list(items)
 
     async def asked() -> None:
-        batcher: Batcher[int, int] = Batcher(answer, most_waiting=2)
+        batcher: MicroBatcher[int, int] = MicroBatcher(answer, most_waiting=2)
         asking = [asyncio.ensure_future(batcher.ask(item)) for item in range(40)]
         await asyncio.sleep(0.2)
-        refused = [task for task in asking if task.done() and isinstance(task.exception(), Overloaded)]
+        refused = [task for task in asking if task.done() and isinstance(task.exception(), ServerBusy)]
         hold.set()
         await asyncio.gather(*asking, return_exceptions=True)
         batcher.close()
@@ -89,8 +89,12 @@ def test_too_many_that_wait_are_refused():
 
 
 def test_a_batch_of_searches_gives_what_each_alone_gives(indexed, bundle):
-    asked = [Search("a person walks", 3), Search("waves", 2, (("min_duration", 5.0),)), Search(" , ", 3)]
-    with ServedLibrary.open(indexed, bundle=bundle) as library:
+    asked = [
+        SearchRequest("a person walks", 3),
+        SearchRequest("waves", 2, (("min_duration", 5.0),)),
+        SearchRequest(" , ", 3),
+    ]
+    with SnapshotLibrary.open(indexed, bundle=bundle) as library:
         walks, waves, nothing = library.search_all(asked)
         assert walks == library.search("a person walks", 3)
         assert waves == library.search("waves", 2, min_duration=5.0)

@@ -55,28 +55,13 @@ def test_clips_that_are_all_the_same_have_a_map():
 def test_labels_are_the_nearest_sentences_the_most_frequent_first():
     texts, sentences = ["sits", "walks", "waves"], np.eye(3, 8, dtype=np.float32)
     vectors = np.repeat(np.eye(3, 8, dtype=np.float32), [1, 0, 4], axis=0)
-    made = layout.make(7, np.arange(1, 6), vectors, texts, sentences)
-    assert made.labels == ("waves", "sits")
-    assert made.label.tolist() == [1, 0, 0, 0, 0]
-
-
-def test_a_map_is_kept_for_its_generation_alone(tmp_path):
-    made = layout.make(3, np.arange(5), *_with_texts())
-    folder = tmp_path / "previews"
-    layout.save(folder, made)
-    assert layout.load(folder, 3).document() == made.document()
-    assert layout.load(folder, 4) is None
-    layout.save(folder, layout.make(4, np.arange(5), *_with_texts()))
-    assert [path.name for path in folder.iterdir()] == ["map.4.npz"]
-    (folder / "map.4.npz").write_bytes(b"damaged")
-    assert layout.load(folder, 4) is None
-
-
-def _with_texts():
-    vectors, _ = _groups(1, 5)
-    return vectors, ["a", "b"], vectors[:2]
+    library_map = layout.make_map(7, np.arange(1, 6), vectors, texts, sentences)
+    assert library_map.labels == ("waves", "sits")
+    assert library_map.label.tolist() == [1, 0, 0, 0, 0]
 
 
 def test_an_empty_library_has_an_empty_map():
-    made = layout.make(0, np.empty(0, np.int64), np.empty((0, 8), np.float32), ["a"], np.ones((1, 8), np.float32))
-    assert made.document() == {"generation": 0, "clips": [], "x": [], "y": [], "labels": [], "label": []}
+    library_map = layout.make_map(
+        0, np.empty(0, np.int64), np.empty((0, 8), np.float32), ["a"], np.ones((1, 8), np.float32)
+    )
+    assert library_map.document() == {"generation": 0, "clips": [], "x": [], "y": [], "labels": [], "label": []}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from encoders.motion import Motion
 from indexer.ingest import worker
 
-READ = "search.server.upload_reading:read"
+READ = "search.server.sandboxed_reader:read"
 
 #: Bytes of address space and seconds of processor time an upload may cost.
 MEMORY = 4 << 30

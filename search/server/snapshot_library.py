@@ -24,7 +24,7 @@ from search.hits import Hit
 from search.library import Library, Ref
 from search.query.encoding import encode_queries
 from search.query.question import Question
-from search.server.answer_cache import AnswerCache, Grounds
+from search.server.answer_cache import AnswerCache, StaleCriterion
 from search.server.cache import Cache
 from search.source import MotionSource
 
@@ -61,7 +61,7 @@ class Snapshot:
 
 
 @dataclass(frozen=True)
-class Search:
+class SearchRequest:
     """A question to the whole library; `filters` as pairs, so that it can be remembered."""
 
     text: str
@@ -69,7 +69,7 @@ class Search:
     filters: tuple[tuple[str, Any], ...] = ()
 
 
-class ServedLibrary(Library):
+class SnapshotLibrary(Library):
     """A `Library` for a server. Safe to share between threads."""
 
     def __init__(self, folder: Path, *, bundle: Bundle | None = None) -> None:
@@ -87,7 +87,7 @@ class ServedLibrary(Library):
 
     def warm(self) -> None:
         """Load the model and answer once, so that the first who asks need not wait for it."""
-        self.search_all([Search("a person walks", 1)])
+        self.search_all([SearchRequest("a person walks", 1)])
 
     def start(self) -> None:
         """Begin to watch for growth."""
@@ -141,10 +141,10 @@ class ServedLibrary(Library):
         added = [self._galleries.since(kind, connection, before.generation).vectors for kind in (CLIPS, WINDOWS)]
         self.standing.grow(generation, np.concatenate(added).astype(np.float32))
 
-    def grounds(self, question: Search, hits: Sequence[Hit]) -> Grounds:
+    def grounds(self, question: SearchRequest, hits: Sequence[Hit]) -> StaleCriterion:
         """What the answer to a question stands on: what no clip and no window may reach that comes later."""
         floor = hits[-1].score - _ROUNDING if len(hits) == question.k else -np.inf
-        return Grounds(self.encode_all([question.text])[0], floor)
+        return StaleCriterion(self.encode_all([question.text])[0], floor)
 
     def _look(self) -> Snapshot:
         clips, windows = (self._galleries.current(kind, self.connection, often=True) for kind in (CLIPS, WINDOWS))
@@ -178,7 +178,7 @@ class ServedLibrary(Library):
     def ids(self, where: str = "", values: Sequence[Any] = ()) -> Ids:
         """See `Library.ids`."""
         key = (self.snapshot.generation, where, tuple(values))
-        return self._held_ids.get_or(key, lambda: super(ServedLibrary, self).ids(where, values))
+        return self._held_ids.get_or(key, lambda: super(SnapshotLibrary, self).ids(where, values))
 
     def clips(self, ids: Iterable[int]) -> dict[int, Clip]:
         """See `Library.clips`."""
@@ -194,7 +194,7 @@ class ServedLibrary(Library):
     def captions(self, id: int) -> list[Caption]:
         """See `Library.captions`."""
         key = (self.snapshot.said, int(id))
-        return self._held_captions.get_or(key, lambda: super(ServedLibrary, self).captions(id))
+        return self._held_captions.get_or(key, lambda: super(SnapshotLibrary, self).captions(id))
 
     def source(self, ref: Ref | MotionSource) -> MotionSource:
         """See `Library.source`; a source is itself."""
@@ -209,7 +209,7 @@ class ServedLibrary(Library):
         vectors = self._encoded(set(sentences))
         return [vectors[sentence] for sentence in sentences]
 
-    def search_all(self, questions: Sequence[Search]) -> list[list[Hit] | Exception]:
+    def search_all(self, questions: Sequence[SearchRequest]) -> list[list[Hit] | Exception]:
         """Answer many questions; an answer is what `search` gives or raises."""
         answers: list[list[Hit] | Exception] = [self._askable(question) or [] for question in questions]
         sound = [i for i, answer in enumerate(answers) if not isinstance(answer, Exception)]
@@ -227,7 +227,7 @@ class ServedLibrary(Library):
             self._held_queries.put(sentence, vector)
         return found | {sentence: vector for sentence, vector in held.items() if vector is not None}
 
-    def _askable(self, question: Search) -> Exception | None:
+    def _askable(self, question: SearchRequest) -> Exception | None:
         try:
             Question.of(question.text, split_steps=False)
             self.snapshot  # noqa: B018  raises where the library cannot be asked
@@ -235,7 +235,7 @@ class ServedLibrary(Library):
             return error
         return None
 
-    def _answered(self, question: Search, vector: Vectors) -> list[Hit] | Exception:
+    def _answered(self, question: SearchRequest, vector: Vectors) -> list[Hit] | Exception:
         try:
             return self._found(question, vector)
         except KeyError:  # a clip has gone since the snapshot
@@ -247,5 +247,5 @@ class ServedLibrary(Library):
         except Exception as error:
             return error
 
-    def _found(self, question: Search, vector: Vectors) -> list[Hit]:
+    def _found(self, question: SearchRequest, vector: Vectors) -> list[Hit]:
         return self._sentence_hits(question.text, vector, question.k, dict(question.filters))

@@ -12,10 +12,10 @@ from starlette.testclient import TestClient
 from encoders.bundle.bundle import Bundle
 from indexer.ingest import indexing
 from search.library import Library
-from search.server import documents
-from search.server.answer_cache import AnswerCache, Grounds
+from search.server import response_models
+from search.server.answer_cache import AnswerCache, StaleCriterion
 from search.server.app import create_app
-from search.server.served import ServedLibrary
+from search.server.snapshot_library import SnapshotLibrary
 from tests.search.conftest import made_motion
 
 NONE = np.zeros((0, 2), np.float32)
@@ -25,8 +25,8 @@ EAST, NORTH = np.array([1, 0], np.float32), np.array([0, 1], np.float32)
 def held() -> AnswerCache:
     """Two answers of generation 1: about what lies east, and about what lies north."""
     answers = AnswerCache(1)
-    answers.put("east", b"e", Grounds(EAST, 0.6), 1)
-    answers.put("north", b"n", Grounds(NORTH, 0.6), 1)
+    answers.put("east", b"e", StaleCriterion(EAST, 0.6), 1)
+    answers.put("north", b"n", StaleCriterion(NORTH, 0.6), 1)
     return answers
 
 
@@ -46,7 +46,7 @@ def test_what_scores_as_much_as_the_last_hit_shakes_an_answer(added: list[list[f
 def test_an_answer_found_before_a_growth_comes_too_late_after_it() -> None:
     answers = held()
     answers.grow(2, NONE)
-    answers.put("late", b"l", Grounds(EAST, 0.0), 1)
+    answers.put("late", b"l", StaleCriterion(EAST, 0.0), 1)
     assert answers.get("late") is None
     assert len(answers) == 2
 
@@ -54,16 +54,16 @@ def test_an_answer_found_before_a_growth_comes_too_late_after_it() -> None:
 def test_the_least_used_go_first() -> None:
     answers = AnswerCache(1, size=2)
     for key in ("a", "b"):
-        answers.put(key, b"", Grounds(EAST, 0.0), 1)
+        answers.put(key, b"", StaleCriterion(EAST, 0.0), 1)
     answers.get("a")
-    answers.put("c", b"", Grounds(EAST, 0.0), 1)
+    answers.put("c", b"", StaleCriterion(EAST, 0.0), 1)
     assert [key for key in "abc" if answers.get(key) is not None] == ["a", "c"]
 
 
 def test_what_stands_is_what_a_fresh_search_finds(indexed: Path, bundle: Bundle, tmp_path: Path) -> None:
     folder = tmp_path / "takes"
     shutil.copytree(indexed, folder)
-    library = ServedLibrary.open(folder, bundle=bundle)
+    library = SnapshotLibrary.open(folder, bundle=bundle)
     library.start = lambda: None  # type: ignore[method-assign]  # refreshed by hand
     questions = [f"{subject} {verb}" for subject in ("", "a person", "someone") for verb in ("walks", "jumps", "sits")]
     stood = []
@@ -87,7 +87,7 @@ def test_what_stands_is_what_a_fresh_search_finds(indexed: Path, bundle: Bundle,
             stood.append(len(library.standing))
             after = answers()
             with Library.open(folder, bundle=bundle) as fresh:
-                assert after == {q: documents.hits(fresh.search(q, 2)) for q in questions}
+                assert after == {q: response_models.hits(fresh.search(q, 2)) for q in questions}
     assert before != after
     assert max(stood) > 0
     assert stood[3] == 0  # what has gone may have kept another clip out
@@ -111,12 +111,12 @@ def test_captions_that_change_places_are_seen(indexed: Path, bundle: Bundle, tmp
         indexing.index(folder, bundle=bundle, jobs=1)
 
     say(["take 0.npy\tsomeone turns", "take 2.npy\tsomeone bends"])
-    library = ServedLibrary.open(folder, bundle=bundle)
+    library = SnapshotLibrary.open(folder, bundle=bundle)
     library.start = lambda: None  # type: ignore[method-assign]  # refreshed by hand
     with TestClient(create_app(library), base_url="http://127.0.0.1:8420") as client:
         for _ in range(2):
             hits = client.get("/api/search", params={"q": "walks"}).json()["hits"]
             with Library.open(folder, bundle=bundle) as fresh:
-                assert hits == documents.hits(fresh.search("walks"))
+                assert hits == response_models.hits(fresh.search("walks"))
             say(later)
             assert library.refresh()

@@ -12,12 +12,12 @@ from pydantic import BaseModel
 from starlette.exceptions import HTTPException
 
 from encoders.errors import BundleError, BundleMismatch, LibraryError, QueryError, UnreadableMotion
-from search.server.request_batches import Overloaded
+from search.server.microbatching import ServerBusy
 
 BUSY = "too much is asked at once; ask again in a moment"
 
 
-class Error(BaseModel):
+class ErrorResponse(BaseModel):
     """What is wrong and what to do."""
 
     error: str
@@ -34,18 +34,18 @@ class Refused(Exception):
 
 #: Codes that any route may answer with, for its description.
 ANY: dict[int | str, dict[str, Any]] = {
-    401: {"model": Error, "description": "A token is needed"},
-    403: {"model": Error, "description": "Another site asks"},
-    421: {"model": Error, "description": "Asked under a name that is not this computer's"},
-    422: {"model": Error, "description": "What is asked makes no sense"},
-    503: {"model": Error, "description": "Busy, or model and library do not fit"},
+    401: {"model": ErrorResponse, "description": "A token is needed"},
+    403: {"model": ErrorResponse, "description": "Another site asks"},
+    421: {"model": ErrorResponse, "description": "Asked under a name that is not this computer's"},
+    422: {"model": ErrorResponse, "description": "What is asked makes no sense"},
+    503: {"model": ErrorResponse, "description": "Busy, or model and library do not fit"},
 }
 #: Beside these, where a clip is named.
-NO_CLIP: dict[int | str, dict[str, Any]] = {404: {"model": Error, "description": "No such clip"}}
+NO_CLIP: dict[int | str, dict[str, Any]] = {404: {"model": ErrorResponse, "description": "No such clip"}}
 #: Beside these, where a file is uploaded.
 UPLOAD: dict[int | str, dict[str, Any]] = {
-    408: {"model": Error, "description": "The upload took too long"},
-    413: {"model": Error, "description": "The upload is too large"},
+    408: {"model": ErrorResponse, "description": "The upload took too long"},
+    413: {"model": ErrorResponse, "description": "The upload is too large"},
 }
 
 
@@ -96,8 +96,8 @@ def install(app: FastAPI) -> None:
     async def unusable(_: Request, error: Exception) -> JSONResponse:
         return refusal(503, str(error))
 
-    @app.exception_handler(Overloaded)
-    async def busy(_: Request, error: Overloaded) -> JSONResponse:
+    @app.exception_handler(ServerBusy)
+    async def busy(_: Request, error: ServerBusy) -> JSONResponse:
         return refusal(503, BUSY)
 
     @app.exception_handler(Exception)

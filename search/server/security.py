@@ -13,7 +13,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from search.server.error_responses import refusal
+from search.server.exception_handlers import refusal
 
 #: Before the port: a browser sends the cookies of all ports of a computer to each of them.
 COOKIE = "motionseek_token_"
@@ -49,7 +49,7 @@ def is_loopback(host: str) -> bool:
         return host == "localhost"
 
 
-class Guard:
+class SecurityMiddleware:
     """ASGI middleware: refuses unknown hosts, other sites and askers without the token.
 
     Parameters

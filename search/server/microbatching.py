@@ -16,11 +16,11 @@ Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
 
-class Overloaded(Exception):
+class ServerBusy(Exception):
     """More questions wait than can be answered in good time."""
 
 
-class Batcher(Generic[Item, Answer]):
+class MicroBatcher(Generic[Item, Answer]):
     """Answers questions in batches, in threads of its own.
 
     Parameters
@@ -58,11 +58,11 @@ class Batcher(Generic[Item, Answer]):
 
         Raises
         ------
-        Overloaded
+        ServerBusy
             If too many wait already.
         """
         if self._waiting.qsize() >= self._most_waiting:
-            raise Overloaded
+            raise ServerBusy
         future: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
         self._waiting.put((item, future))
         return await future

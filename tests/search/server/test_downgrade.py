@@ -13,7 +13,7 @@ from starlette.testclient import TestClient
 from encoders.bundle.bundle import Bundle
 from search.query.known_words import lexicon
 from search.server.app import create_app
-from search.server.served import ServedLibrary
+from search.server.snapshot_library import SnapshotLibrary
 
 
 @pytest.fixture
@@ -27,7 +27,7 @@ def library(indexed, tiny_bundle):
         "sentence_coefficients": sure,
         "motion_coefficients": sure,
     }
-    return ServedLibrary.open(indexed, bundle=bundle)
+    return SnapshotLibrary.open(indexed, bundle=bundle)
 
 
 @pytest.mark.parametrize(("sentence", "strength"), [("a person walks", "strong"), ("invoice for March", "plausible")])

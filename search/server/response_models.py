@@ -16,14 +16,14 @@ from search.hits import Hit
 ClipRef = int | str
 
 
-class StepShape(BaseModel):
+class StepModel(BaseModel):
     text: str
     score: float
     start: float
     end: float
 
 
-class HitShape(BaseModel):
+class HitModel(BaseModel):
     rank: int
     path: str
     score: float
@@ -33,53 +33,53 @@ class HitShape(BaseModel):
     duration: float
     caption: str
     clip: ClipRef
-    steps: list[StepShape] | None = None
+    steps: list[StepModel] | None = None
 
 
-class HitsShape(BaseModel):
+class SearchResponse(BaseModel):
     query: str
-    hits: list[HitShape]
+    hits: list[HitModel]
 
 
-class CurveShape(BaseModel):
+class CurveModel(BaseModel):
     times: list[float]
     similarity: dict[str, list[float]]
 
 
-class MomentsShape(HitsShape):
+class MomentsResponse(SearchResponse):
     how: Literal["then", "while"] | None = None
     sentences: list[str] | None = None
-    curve: CurveShape | None = None
+    curve: CurveModel | None = None
 
 
-class ClipCurveShape(CurveShape):
+class CurveResponse(CurveModel):
     clip: ClipRef
     path: str
     duration: float
 
 
-class SimilarShape(HitsShape):
+class SimilarResponse(SearchResponse):
     clip: ClipRef
 
 
-class SentenceShape(BaseModel):
+class SentenceModel(BaseModel):
     text: str
     score: float
 
 
-class DescriptionShape(BaseModel):
+class DescribeResponse(BaseModel):
     path: str
-    sentences: list[SentenceShape]
+    sentences: list[SentenceModel]
     clip: ClipRef
 
 
-class CaptionShape(BaseModel):
+class CaptionModel(BaseModel):
     text: str
     start: float | None
     end: float | None
 
 
-class MotionShape(BaseModel):
+class MotionModel(BaseModel):
     clip: ClipRef
     path: str
     name: str
@@ -91,21 +91,21 @@ class MotionShape(BaseModel):
     added: str
 
 
-class CaptionedMotionShape(MotionShape):
-    captions: list[CaptionShape]
+class MotionResponse(MotionModel):
+    captions: list[CaptionModel]
 
 
-class MotionsShape(BaseModel):
+class MotionsResponse(BaseModel):
     total: int
-    motions: list[CaptionedMotionShape]
+    motions: list[MotionResponse]
 
 
-class SkeletonShape(BaseModel):
+class SkeletonResponse(BaseModel):
     joints: list[str]
     parents: list[int]
 
 
-class StatsShape(BaseModel):
+class StatsResponse(BaseModel):
     version: str
     clips: int
     generation: int
@@ -114,7 +114,7 @@ class StatsShape(BaseModel):
     rigs: dict[str, int]
 
 
-class MapShape(BaseModel):
+class MapResponse(BaseModel):
     generation: int
     clips: list[int]
     x: list[float] = Field(description="0 to 1")
@@ -123,7 +123,7 @@ class MapShape(BaseModel):
     label: list[int]
 
 
-class HealthShape(BaseModel):
+class HealthResponse(BaseModel):
     status: Literal["ok"]
 
 

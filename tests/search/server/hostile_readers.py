@@ -6,7 +6,7 @@ import os
 import time
 
 from encoders.motion import Motion
-from search.server.upload_reading import _limit
+from search.server.sandboxed_reader import _limit
 
 
 def hangs(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tuple[Motion, str]:

@@ -15,11 +15,11 @@ from indexer.store.clips import Clip
 from search.hits import Hit
 from search.query.question import Question
 from search.server.cache import Cache
-from search.server.error_responses import Refused
+from search.server.exception_handlers import Refused
+from search.server.microbatching import MicroBatcher, ServerBusy
 from search.server.prometheus import Metrics
-from search.server.request_batches import Batcher, Overloaded
-from search.server.served import Search, ServedLibrary
-from search.server.uploads import Limits, Upload, Uploads
+from search.server.snapshot_library import SearchRequest, SnapshotLibrary
+from search.server.uploads import Upload, UploadLimits, UploadStore
 from search.source import MotionSource
 
 Value = TypeVar("Value")
@@ -31,15 +31,17 @@ _AT_ONCE, _WAITING = 2, 64
 _REMEMBERED = 4096
 
 
-class State:
+class AppState:
     """One server's state."""
 
-    def __init__(self, library: ServedLibrary, limits: Limits | None = None) -> None:
+    def __init__(self, library: SnapshotLibrary, limits: UploadLimits | None = None) -> None:
         self.library = library
-        self.uploads = Uploads(limits)
+        self.uploads = UploadStore(limits)
         self.metrics = Metrics()
-        self.sentences: Batcher[str, NDArray[np.float32]] = Batcher(library.encode_all)
-        self.searches: Batcher[Search, list[Hit]] = Batcher(library.search_all, workers=_SEARCHERS, largest=2)
+        self.sentences: MicroBatcher[str, NDArray[np.float32]] = MicroBatcher(library.encode_all)
+        self.searches: MicroBatcher[SearchRequest, list[Hit]] = MicroBatcher(
+            library.search_all, workers=_SEARCHERS, largest=2
+        )
         self.answers: Cache[bytes] = Cache(_REMEMBERED)
         self._room = anyio.CapacityLimiter(_AT_ONCE)
 
@@ -49,7 +51,7 @@ class State:
         self.searches.close()
         self.library.close()
 
-    async def search(self, question: Search) -> list[Hit]:
+    async def search(self, question: SearchRequest) -> list[Hit]:
         """The answer to a search.
 
         Sentences that nobody has asked before are encoded together, apart from the searches: encoding takes ten times
@@ -59,7 +61,7 @@ class State:
         ------
         QueryError
             If the sentence is empty or a filter makes no sense.
-        Overloaded
+        ServerBusy
             If too many wait already.
         """
         Question.of(question.text, split_steps=False)
@@ -72,11 +74,11 @@ class State:
 
         Raises
         ------
-        Overloaded
+        ServerBusy
             If too many wait already.
         """
         if self._room.statistics().tasks_waiting >= _WAITING:
-            raise Overloaded
+            raise ServerBusy
         return await run_sync(work, limiter=self._room)
 
     async def remembered(self, key: Sequence[Hashable], make: Callable[[], bytes]) -> bytes:

@@ -9,7 +9,7 @@ from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
-from search.server.error_responses import Refused
+from search.server.exception_handlers import Refused
 
 FOLDER = Path(__file__).parents[1] / "page"
 
@@ -30,7 +30,7 @@ TYPES = {
 }
 
 
-class Page(StaticFiles):
+class StaticPage(StaticFiles):
     """Static files, each asked about again with its ETag, so that an update shows at once and costs nothing else."""
 
     def __init__(self, folder: Path = FOLDER) -> None:
