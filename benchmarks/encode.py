@@ -28,7 +28,7 @@ from encoders.bundle.batching import pad
 from encoders.bundle.bundle import Bundle
 from encoders.features.registry import FEATURE_KINDS
 from encoders.tmr.conversion.to_bundle import export_bundle
-from encoders.tmr.model.network import TMR, Config, Encoder, Tower, group_frames, positions, valid_mask
+from encoders.tmr.model.network import TMR, Config, Tower, TransformerEncoder, group_frames, positions, valid_mask
 from encoders.tmr.text.language_model import LanguageConfig, LanguageModel, LanguageNetwork
 from encoders.tmr.training.recipe import default_network
 
@@ -38,7 +38,7 @@ Encode = Callable[[Sequence[Array]], Array]
 PUBLISHED = Config(decoder=None)
 
 
-def plain(encoder: Encoder) -> Encode:
+def plain(encoder: TransformerEncoder) -> Encode:
     """The encoder's weights in torch's own layers, used as published code uses them."""
     tower = encoder.tower
     layer = nn.TransformerEncoderLayer(
@@ -64,7 +64,7 @@ def plain(encoder: Encoder) -> Encode:
     return encode
 
 
-def bundle_of(encoder: Encoder, kind: str, folder: Path, threads: int) -> Bundle:
+def bundle_of(encoder: TransformerEncoder, kind: str, folder: Path, threads: int) -> Bundle:
     """A bundle around a motion encoder; its text side is a stub."""
     sizes = LanguageConfig(
         vocabulary=8, width=8, layers=1, heads=1, feedforward=8, max_tokens=8, segments=0, norm_epsilon=1e-12
@@ -76,7 +76,7 @@ def bundle_of(encoder: Encoder, kind: str, folder: Path, threads: int) -> Bundle
         folder,
         name="benchmark",
         motion_encoder=encoder,
-        text_encoder=Encoder(Tower(8, width=8, layers=1, heads=1, feedforward=8), encoder.latent),
+        text_encoder=TransformerEncoder(Tower(8, width=8, layers=1, heads=1, feedforward=8), encoder.latent),
         language=language,
         mean=np.zeros(size, np.float32),
         std=np.ones(size, np.float32),
@@ -86,7 +86,7 @@ def bundle_of(encoder: Encoder, kind: str, folder: Path, threads: int) -> Bundle
     return Bundle.load(folder, threads=threads)
 
 
-def compare(name: str, encoder: Encoder, kind: str, *, clips: int, threads: int, rounds: int) -> float:
+def compare(name: str, encoder: TransformerEncoder, kind: str, *, clips: int, threads: int, rounds: int) -> float:
     """Time both ways in turns; print and return how many times as fast the bundle is."""
     fps, size = FEATURE_KINDS[kind].fps, FEATURE_KINDS[kind].size
     rng = np.random.default_rng(0)

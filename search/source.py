@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.bundle import Bundle
 from encoders.bundle.windows import Windows, ends_of, grid
 from encoders.errors import QueryError, UnknownClip, UnreadableMotion
 from encoders.motion import Motion
+from encoders.protocol import Encoder
 from indexer.ingest.load import load_motion
 from indexer.ingest.unindexed import read_as_known
 from indexer.store.clips import Caption, Clip
@@ -95,13 +95,13 @@ class MotionSource:
         """The whole motion."""
         return self.read(0.0, None)
 
-    def features(self, bundle: Bundle) -> NDArray[np.float32]:
+    def features(self, bundle: Encoder) -> NDArray[np.float32]:
         """The features (T', F) of the whole motion that a model reads."""
         if bundle.fingerprint not in self._features:
             self._features[bundle.fingerprint] = bundle.features(self.motion)
         return self._features[bundle.fingerprint]
 
-    def windows(self, bundle: Bundle) -> Sequence[Windows]:
+    def windows(self, bundle: Encoder) -> Sequence[Windows]:
         """Its encoded windows: those of the library, else those that a library would hold, shortest first."""
         if self.stored:
             return self.stored

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from encoders.protocol import Encoder
 from indexer.ingest.caption_files import Row, Warn, read_lines, read_table
 from indexer.ingest.scan import TABLES, File
 
 if TYPE_CHECKING:
-    from encoders.bundle.bundle import Bundle
     from indexer.store.writer import Writer
 
 _TEXTS_A_BATCH = 512
@@ -110,7 +110,7 @@ def unmatched(db: sqlite3.Connection, root: Path, synced: Synced) -> list[str]:
     return told
 
 
-def encode_texts(writer: Writer, bundle: Bundle, model_id: int) -> None:
+def encode_texts(writer: Writer, bundle: Encoder, model_id: int) -> None:
     """Vectors for the captions that have none under a model, in batches of their own."""
     db = writer.connection
     texts = db.execute(

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle.windows import Windows, ends_of, grid
 from encoders.motion import Motion
-
-if TYPE_CHECKING:
-    from encoders.bundle.bundle import Bundle
+from encoders.protocol import Encoder
 
 
 @dataclass(frozen=True)
@@ -24,7 +21,7 @@ class Encoded:
     windows: list[Windows]
 
 
-def encode(bundle: Bundle, motions: Sequence[Motion]) -> list[Encoded]:
+def encode(bundle: Encoder, motions: Sequence[Motion]) -> list[Encoded]:
     """The vectors of motions and of their windows; all of them go through the model together, sorted by length."""
     features = [bundle.features(motion) for motion in motions]
     grids = [grid(len(rows), bundle.fps) for rows in features]

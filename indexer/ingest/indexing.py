@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from encoders.errors import LibraryError
 from encoders.motion import Motion
+from encoders.protocol import Encoder
 from indexer.formats.table import READABLE
 from indexer.ingest import captions
 from indexer.ingest.captions import Synced
@@ -23,9 +23,6 @@ from indexer.ingest.scan import walk
 from indexer.store.read_options import Asked
 from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
 from indexer.store.writer import INDEXED, FileVersion, Writer, writing
-
-if TYPE_CHECKING:
-    from encoders.bundle.bundle import Bundle
 
 __all__ = ["Progress", "Summary", "index", "reencode"]
 
@@ -83,7 +80,7 @@ def index(
     roots: str | PathLike[str] | Iterable[str | PathLike[str]],
     *,
     library: str | PathLike[str] | None = None,
-    bundle: Bundle | None = None,
+    bundle: Encoder | None = None,
     jobs: int | None = None,
     fps: float | None = None,
     joint_map: Mapping[str, str] | None = None,
@@ -100,7 +97,7 @@ def index(
         Folders to index; with `library`, none means those it already has.
     library : path, optional
         The library folder; by default `.motionseek` in the folder, so it must be named for several.
-    bundle : Bundle, optional
+    bundle : Encoder, optional
         The model; the default one if not given.
     jobs : int, optional
         Processes that read; by default one a core.
@@ -199,7 +196,7 @@ def _look(writer: Writer, root: Path, root_id: int, asked: Asked, summary: Summa
 
 def _read_and_encode(
     writer: Writer,
-    bundle: Bundle,
+    bundle: Encoder,
     model_id: int,
     requests: list[Request[_Task]],
     jobs: int,
@@ -229,7 +226,7 @@ def _read_and_encode(
     commit()
 
 
-def _commit(writer: Writer, bundle: Bundle, model_id: int, batch: list[tuple[_Task, Read]], summary: Summary) -> None:
+def _commit(writer: Writer, bundle: Encoder, model_id: int, batch: list[tuple[_Task, Read]], summary: Summary) -> None:
     """Encode what was read and write it down with what could not be, as one transaction."""
     good: list[tuple[_Task, Motion, str]] = [(task, read.motion, read.rig) for task, read in batch if read.motion]
     bad = [(task, read.reason) for task, read in batch if read.motion is None]

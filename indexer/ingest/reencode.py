@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from os import PathLike
-from typing import TYPE_CHECKING
 
+from encoders.protocol import Encoder
 from indexer.ingest import captions
 from indexer.ingest.encode import encode
 from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
-
-if TYPE_CHECKING:
-    from encoders.bundle.bundle import Bundle
 
 _BATCH_CLIPS = 32
 
 
 def reencode(
     library: str | PathLike[str],
-    bundle: Bundle | None = None,
+    bundle: Encoder | None = None,
     *,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> int:
@@ -32,7 +29,7 @@ def reencode(
     ----------
     library : path
         The library folder or the indexed folder.
-    bundle : Bundle, optional
+    bundle : Encoder, optional
         The new model; the default one if not given.
     progress : callable, optional
         Called with clips done, clips to do and the last one's path.
@@ -62,7 +59,7 @@ def reencode(
 def _encode_clips(
     library: StoredLibrary,
     writer: Writer,
-    bundle: Bundle,
+    bundle: Encoder,
     model_id: int,
     progress: Callable[[int, int, str], None] | None,
 ) -> int:

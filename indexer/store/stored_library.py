@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from encoders.bundle.windows import Windows
 from encoders.errors import BundleMismatch, LibraryDamaged, LibraryError, LibraryNotFound, UnknownClip
 from encoders.motion import FPS, Motion
+from encoders.protocol import Encoder
 from indexer.store import poses, schema
 from indexer.store.clips import LIVE, Caption, Clip, select
 from indexer.store.stats import stats
@@ -24,7 +25,6 @@ from indexer.vectors.sync import CLIPS, WINDOWS, Galleries
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-    from encoders.bundle.bundle import Bundle
 
 CaptionVectors = tuple[list[str], NDArray[np.int64], NDArray[np.float32]]
 
@@ -38,7 +38,7 @@ _VARIABLES = 500  # a statement takes only so many values
 class StoredLibrary:
     """An indexed folder. Safe to share between threads; what others write is seen at the next call."""
 
-    def __init__(self, folder: Path, *, bundle: Bundle | None = None) -> None:
+    def __init__(self, folder: Path, *, bundle: Encoder | None = None) -> None:
         self.folder = folder
         self._bundle = bundle
         self._local = threading.local()
@@ -50,13 +50,13 @@ class StoredLibrary:
             self._check(bundle)
 
     @classmethod
-    def open(cls, folder: str | PathLike[str], *, bundle: Bundle | None = None, create: bool = False) -> Self:
+    def open(cls, folder: str | PathLike[str], *, bundle: Encoder | None = None, create: bool = False) -> Self:
         """Open the library of an indexed folder, or a library folder itself.
 
         Parameters
         ----------
         folder : path
-        bundle : Bundle, optional
+        bundle : Encoder, optional
             The model; the default one is loaded when it is first needed.
         create : bool
             Make `folder` itself an empty library folder where it is none yet.
@@ -106,7 +106,7 @@ class StoredLibrary:
         return found
 
     @property
-    def bundle(self) -> Bundle:
+    def bundle(self) -> Encoder:
         """The model.
 
         Raises
@@ -122,7 +122,7 @@ class StoredLibrary:
             self._bundle = bundle
         return self._bundle
 
-    def _check(self, bundle: Bundle) -> None:
+    def _check(self, bundle: Encoder) -> None:
         model = self._model()
         if model is not None and model["fingerprint"] != bundle.fingerprint:
             raise BundleMismatch(

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from encoders.errors import BundleMismatch, LibraryError
 from encoders.motion import Motion
+from encoders.protocol import Encoder
 from indexer.ingest.captions import attach
 from indexer.ingest.encode import Encoded
 from indexer.ingest.scan import File
@@ -21,7 +22,6 @@ from indexer.store.lock import write_lock
 from indexer.store.read_options import ReadOptions
 
 if TYPE_CHECKING:
-    from encoders.bundle.bundle import Bundle
     from indexer.ingest.changes import Changes
 
 INDEXED, FAILED, GONE = "indexed", "failed", "gone"
@@ -68,7 +68,7 @@ class Writer:
             self.connection.execute("UPDATE settings SET value = ? WHERE key = 'generation'", (self._generation,))
             yield
 
-    def use_model(self, bundle: Bundle, *, current: bool = True) -> int:
+    def use_model(self, bundle: Encoder, *, current: bool = True) -> int:
         """The model's id; with `current` it is the one whose vectors are searched.
 
         Raises

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 if TYPE_CHECKING:
-    from encoders.bundle.bundle import Bundle
+    from encoders.protocol import Encoder
     from search.library import Library
     from search.source import MotionSource
 
@@ -61,7 +61,7 @@ def open_library(folder: str | None) -> Library:
 @contextmanager
 def open_source(
     ref: str, folder: str | None, *, fps: float | None = None
-) -> Iterator[tuple[Bundle, MotionSource, Library | None]]:
+) -> Iterator[tuple[Encoder, MotionSource, Library | None]]:
     """The model, the file or clip a command means, and the library; None where a file is asked about without one.
 
     Where no library is named or found from here upward, a file is asked about with the one it lies in.

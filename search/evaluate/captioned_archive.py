@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.bundle import Bundle
 from encoders.corpus.composition.real import CaptionedTake
 from encoders.errors import QueryError
 from encoders.metrics import ranks
+from encoders.protocol import Encoder
 from search.query.encoding import encode_queries
 from search.ranking.hubness import hubness_penalty
 
@@ -48,7 +48,7 @@ class DescribedReport:
         }
 
 
-def evaluate_described(takes: Iterable[CaptionedTake], bundle: Bundle) -> DescribedReport:
+def evaluate_described(takes: Iterable[CaptionedTake], bundle: Encoder) -> DescribedReport:
     """Ask for each description, and for each sentence people wrote about its files; gallery: all the files whole.
 
     A file is right for a description if its owner described it so, in whatever rig. Files described as "unknown" stay

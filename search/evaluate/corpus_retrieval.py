@@ -6,16 +6,16 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from encoders.bundle.bundle import Bundle
 from encoders.corpus.composition.facts import facts
 from encoders.corpus.composition.synthetic import SyntheticClip, true_of
 from encoders.corpus.heldout.words import wordings
 from encoders.metrics import in_batches, ranks, recalls, text_motion
+from encoders.protocol import Encoder
 
 _BATCH = 32
 
 
-def evaluate_corpus(clips: Iterable[SyntheticClip], bundle: Bundle) -> dict[str, dict[str, float]]:
+def evaluate_corpus(clips: Iterable[SyntheticClip], bundle: Encoder) -> dict[str, dict[str, float]]:
     """Figures of the first caption of every clip against all clips.
 
     Returns

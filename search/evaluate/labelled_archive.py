@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.bundle import Bundle
 from encoders.errors import MotionSeekError, QueryError
 from encoders.metrics import average_precision
 from encoders.motion import Motion
+from encoders.protocol import Encoder
 from indexer.ingest.load import load_motion
 from search.query.encoding import encode_queries
 from search.ranking.hubness import hubness_penalty
@@ -86,7 +86,7 @@ def evaluate_labels(
     folder: Path,
     labels: Path,
     queries: Path,
-    bundle: Bundle,
+    bundle: Encoder,
     *,
     load: Callable[[Path], Motion] = load_motion,
 ) -> LabelReport:

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.bundle import Bundle
 from encoders.corpus.composition.long_takes import AnnotatedTake, Marked
+from encoders.protocol import Encoder
 from indexer.vectors.flat import FlatVectors, Found, Rows
 from search.evaluate.moment_metrics import Overlaps, best_overlaps
 from search.moments.across_clips import best_moments
@@ -19,7 +19,7 @@ from search.source import MotionSource
 class Gallery:
     """Takes whose windows lie in one index, as in a library; a take's id is its place."""
 
-    def __init__(self, bundle: Bundle) -> None:
+    def __init__(self, bundle: Encoder) -> None:
         self._bundle = bundle
         self.takes: list[AnnotatedTake] = []
         self.sources: list[MotionSource] = []

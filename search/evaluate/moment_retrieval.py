@@ -13,9 +13,9 @@ from typing import cast
 
 import numpy as np
 
-from encoders.bundle.bundle import Bundle
 from encoders.bundle.windows import grid
 from encoders.corpus.composition.long_takes import AnnotatedTake
+from encoders.protocol import Encoder
 from search.evaluate.library_moments import Gallery
 from search.evaluate.moment_metrics import Overlaps, Spans, best_overlaps
 from search.evaluate.moments_baseline import SIZES, best_of
@@ -35,7 +35,7 @@ _ORDERED = 2  # questions in three steps for each take
 
 def evaluate_moments(
     takes: Iterable[AnnotatedTake],
-    bundle: Bundle,
+    bundle: Encoder,
     *,
     steps: bool = False,
     progress: Callable[[int], None] | None = None,
@@ -59,7 +59,7 @@ def evaluate_moments(
     """
     ways: dict[str, Overlaps] = defaultdict(Overlaps)
     remembering = CachedBundle(bundle)
-    encoder = cast(Bundle, remembering)
+    encoder = cast(Encoder, remembering)
     gallery, ordered, rng = Gallery(encoder), list[float](), np.random.default_rng(0)
     kept = {round(seconds * bundle.fps) for seconds in CURVE_LENGTHS}
     for number, take in enumerate(takes, start=1):
@@ -79,8 +79,8 @@ def evaluate_moments(
 
 def _ask(
     ways: dict[str, Overlaps],
-    bundle: Bundle,
-    encoder: Bundle,
+    bundle: Encoder,
+    encoder: Encoder,
     source: MotionSource,
     take: AnnotatedTake,
     queries: Vectors,

@@ -11,15 +11,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from encoders.bundle.bundle import Bundle
 from encoders.motion import FPS, Motion
+from encoders.protocol import Encoder
 from search.moments.localisation import Moment
 from search.moments.window_scores import Scored, Vectors, every, join, score_windows
 
 SIZES = (20, 40, 60)
 
 
-def slide(bundle: Bundle, motion: Motion, queries: Vectors, size: int) -> Scored:
+def slide(bundle: Encoder, motion: Motion, queries: Vectors, size: int) -> Scored:
     """A window of `size` frames at 20 frames a second, at every frame, compared with queries (Q, D).
 
     A model with fewer feature frames a second sees the take once from each frame between two of its own.
@@ -45,7 +45,7 @@ def best_place(windows: Scored, query: int = 0) -> Moment:
     return Moment(float(windows.starts[i]), float(windows.ends[i]), float(windows.scores[query, i]))
 
 
-def best_of(bundle: Bundle, motion: Motion, queries: Vectors, sizes: Sequence[int] = SIZES) -> list[dict[int, Moment]]:
+def best_of(bundle: Encoder, motion: Motion, queries: Vectors, sizes: Sequence[int] = SIZES) -> list[dict[int, Moment]]:
     """For each query (Q, D), the answer of each window size, and under 0 the best of them all."""
     slid = {size: slide(bundle, motion, queries, size) for size in sizes}
     answers = []

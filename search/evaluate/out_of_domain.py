@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.bundle import Bundle
 from encoders.errors import BundleError
+from encoders.protocol import Encoder
 from search.query.encoding import encode_queries
 from search.ranking import strength
 
 SENTENCES = Path(__file__).parent / "data" / "out_of_domain.txt"
 
 
-def evaluate_nonsense(bundle: Bundle, gallery: NDArray[np.float32]) -> dict[str, float]:
+def evaluate_nonsense(bundle: Encoder, gallery: NDArray[np.float32]) -> dict[str, float]:
     """Percent of out-of-domain sentences whose best hit in a gallery (N, D) is called strong, or plausible.
 
     Raises
@@ -24,7 +24,7 @@ def evaluate_nonsense(bundle: Bundle, gallery: NDArray[np.float32]) -> dict[str,
         If the bundle carries no calibration, and so calls nothing anything.
     """
     if bundle.calibration is None:
-        raise BundleError(f"{bundle.folder}: carries no calibration; 'motionseek model release' makes bundles that do")
+        raise BundleError(f"{bundle.name}: carries no calibration; 'motionseek model release' makes bundles that do")
     sentences = [line for line in SENTENCES.read_text(encoding="utf-8").splitlines() if line.strip()]
     queries = encode_queries(bundle, sentences)
     judged = [

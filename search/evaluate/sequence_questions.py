@@ -7,8 +7,8 @@ from itertools import pairwise, product
 import numpy as np
 from numpy.random import Generator
 
-from encoders.bundle.bundle import Bundle
 from encoders.corpus.composition.long_takes import AnnotatedTake, Event
+from encoders.protocol import Encoder
 from search.evaluate.moment_metrics import Spans
 from search.moments.one_take import find
 from search.query.question import Question
@@ -24,7 +24,7 @@ def draw_steps(take: AnnotatedTake, rng: Generator, count: int) -> list[tuple[Ev
     return [take.happens[i : i + _STEPS] for i in sorted(firsts)]
 
 
-def ask_in_order(bundle: Bundle, source: MotionSource, take: AnnotatedTake, steps: tuple[Event, ...]) -> float:
+def ask_in_order(bundle: Encoder, source: MotionSource, take: AnnotatedTake, steps: tuple[Event, ...]) -> float:
     """How well the worst of the steps found overlaps its truth, 0 to 1; 0 where the sentence is split otherwise.
 
     The sentence goes the way of every question: it is split, and its steps are found as a chain.

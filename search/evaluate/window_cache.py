@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.bundle import Bundle
+from encoders.protocol import Encoder
 from search.moments.window_scores import Vectors
 
 
@@ -19,7 +19,7 @@ class CachedBundle:
     and must not be written to.
     """
 
-    def __init__(self, bundle: Bundle) -> None:
+    def __init__(self, bundle: Encoder) -> None:
         self._bundle = bundle
         self._known: dict[int, dict[int, Vectors]] = {}
         self._held: dict[int, Vectors] = {}
@@ -28,7 +28,7 @@ class CachedBundle:
         return getattr(self._bundle, name)
 
     def encode_windows(self, features: Vectors, starts: NDArray[np.integer], length: int) -> Vectors:
-        """See `Bundle.encode_windows`."""
+        """See `Encoder.encode_windows`."""
         begins = features.__array_interface__["data"][0]
         self._held.setdefault(begins, features)
         known = self._known.setdefault(length, {})

@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.bundle import Bundle
+from encoders.protocol import Encoder
 from search.moments.localisation import Moment, background_level, refine, unknown
 from search.moments.one_take import coarse_windows, region_of
 from search.moments.window_scores import Vectors
@@ -26,7 +26,7 @@ _ROUND, _HELD = 10, 48
 
 
 def best_moments(
-    bundle: Bundle,
+    bundle: Encoder,
     gallery: WindowGallery,
     source_of: Callable[[int], MotionSource],
     queries: Vectors,
@@ -51,7 +51,7 @@ def best_moments(
 
 
 def rank(
-    bundle: Bundle,
+    bundle: Encoder,
     gallery: WindowGallery,
     source_of: Callable[[int], MotionSource],
     queries: Vectors,
@@ -68,7 +68,7 @@ def rank(
 
 
 def _sharpened(
-    bundle: Bundle,
+    bundle: Encoder,
     source_of: Callable[[int], MotionSource],
     places: list[ClipScore],
     queries: Vectors,

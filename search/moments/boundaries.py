@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from search.moments.window_scores import Encoder, Vectors, curve, score_windows
+from encoders.protocol import Encoder
+from search.moments.window_scores import Vectors, curve, score_windows
 
 #: Lengths in seconds of the windows whose similarities are averaged at each instant, and frames from one to the next.
 CURVE_LENGTHS = (2.0, 2.8, 4.0)

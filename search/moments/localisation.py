@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle import windows
+from encoders.protocol import Encoder
 from search.moments.boundaries import STRIDE, frame_curve, grow
-from search.moments.window_scores import Encoder, Scored, Vectors, join, score_windows
+from search.moments.window_scores import Scored, Vectors, join, score_windows
 from search.ranking.paging import rounds
 from search.spans import best_first, iou
 

@@ -8,10 +8,10 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.bundle import Bundle
 from encoders.bundle.windows import LENGTHS as STORED_LENGTHS
 from encoders.bundle.windows import WINDOWS_A_LENGTH
 from encoders.motion import Motion
+from encoders.protocol import Encoder
 from indexer.store.clips import Caption
 from search.hits import Hit, Hits, Step
 from search.moments.boundaries import frame_curve
@@ -36,7 +36,7 @@ _GRID = 1.0
 _COMPARED = 1000
 
 
-def moments_in(bundle: Bundle, source: MotionSource, question: Question, k: int) -> list[Hit]:
+def moments_in(bundle: Encoder, source: MotionSource, question: Question, k: int) -> list[Hit]:
     """The best moments of one motion, best first."""
     queries = question.encode(bundle)
     found = find(bundle, source, question, queries, k)
@@ -48,7 +48,7 @@ def moments_in(bundle: Bundle, source: MotionSource, question: Question, k: int)
     )
 
 
-def find(bundle: Bundle, source: MotionSource, question: Question, queries: Vectors, k: int) -> list[Found]:
+def find(bundle: Encoder, source: MotionSource, question: Question, queries: Vectors, k: int) -> list[Found]:
     """Spans of one motion that answer a question whose sentences are unit vectors (S, D), with their steps."""
     coarse, region = coarse_windows(bundle, source, queries), region_of(bundle, source)
     if question.how != "then":
@@ -67,12 +67,12 @@ def find(bundle: Bundle, source: MotionSource, question: Question, queries: Vect
     return [(whole(chain), steps)]
 
 
-def coarse_windows(bundle: Bundle, source: MotionSource, queries: Vectors) -> list[Scored]:
+def coarse_windows(bundle: Encoder, source: MotionSource, queries: Vectors) -> list[Scored]:
     """The windows of a motion that a library holds, or would hold, compared with queries (Q, D)."""
     return score_stored(source.windows(bundle), queries)
 
 
-def region_of(bundle: Bundle, source: MotionSource) -> Region:
+def region_of(bundle: Encoder, source: MotionSource) -> Region:
     """Features of parts of a motion; of a long clip of a library only what is asked for is read."""
     if source.stored and source.duration > LONG:
 
@@ -99,7 +99,7 @@ def hit(rank: int, source: MotionSource, moment: Moment, strength: str, steps: t
     )
 
 
-def curves(bundle: Bundle, source: MotionSource, queries: Vectors) -> tuple[NDArray[np.float64], Vectors]:
+def curves(bundle: Encoder, source: MotionSource, queries: Vectors) -> tuple[NDArray[np.float64], Vectors]:
     """Similarity over time, as moments are found by it; of a long motion, that of the shortest stored windows.
 
     Parameters
@@ -121,7 +121,7 @@ def curves(bundle: Bundle, source: MotionSource, queries: Vectors) -> tuple[NDAr
 
 
 def describe_motion(
-    bundle: Bundle, motion: Motion, k: int, texts: Sequence[str] = (), vectors: Vectors | None = None
+    bundle: Encoder, motion: Motion, k: int, texts: Sequence[str] = (), vectors: Vectors | None = None
 ) -> list[tuple[str, float]]:
     """The sentences that fit a motion best.
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.bundle import Bundle
 from encoders.motion import Motion
+from encoders.protocol import Encoder
 from search.moments.boundaries import frame_curve
 from search.moments.window_scores import Vectors
 from search.query.encoding import encode_queries
@@ -34,7 +34,7 @@ class Segment:
     score: float
 
 
-def segment(bundle: Bundle, motion: Motion, labels: Sequence[str]) -> list[Segment]:
+def segment(bundle: Encoder, motion: Motion, labels: Sequence[str]) -> list[Segment]:
     """Divide a motion among labels so that the segments cover it all, in order, without overlap.
 
     The similarity of each label over time, less what unrelated motion scores for it, goes through Viterbi's
@@ -84,7 +84,7 @@ def best_path(gains: NDArray[np.floating], switch: float) -> NDArray[np.int64]:
     return path
 
 
-def _unrelated(bundle: Bundle, queries: Vectors, similarity: Vectors) -> NDArray[np.floating]:
+def _unrelated(bundle: Encoder, queries: Vectors, similarity: Vectors) -> NDArray[np.floating]:
     """What unrelated motion scores for each label (L,): the model's background, else the take's own median."""
     if bundle.calibration is None:
         return np.asarray(np.median(similarity, axis=1))

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from encoders.protocol import Encoder
 from search.moments.boundaries import best_spans, frame_curve, gains
 from search.moments.localisation import REACH, Moment, Region, fitness, frames_in, stretch
-from search.moments.window_scores import Encoder, Scored, Vectors, every, join, score_windows
+from search.moments.window_scores import Scored, Vectors, every, join, score_windows
 from search.query.steps import in_order
 
 #: Lengths in seconds of the windows from which steps are chosen; from one to the next it is a tenth of their length in

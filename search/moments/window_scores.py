@@ -4,27 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from encoders.protocol import Encoder
 
 Vectors = NDArray[np.float32]
 Frames = NDArray[np.int64]
 
 #: Windows whose vectors are held at once.
 _CHUNK = 4096
-
-
-class Encoder(Protocol):
-    """What dense search asks of a model bundle."""
-
-    @property
-    def calibration(self) -> dict[str, NDArray[Any]] | None:
-        """Among others "motions": unit vectors (M, D) of unrelated motion."""
-
-    def encode_windows(self, features: Vectors, starts: NDArray[np.integer], length: int) -> Vectors:
-        """Unit vectors (N, D) of the windows ``features[start : start + length]``."""
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.bundle import Bundle
+from encoders.protocol import Encoder
 from search.query.paraphrases import paraphrases
 
 
-def encode_queries(bundle: Bundle, sentences: Sequence[str]) -> NDArray[np.float32]:
+def encode_queries(bundle: Encoder, sentences: Sequence[str]) -> NDArray[np.float32]:
     """Unit query vectors.
 
     Parameters

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from encoders.bundle.bundle import Bundle
 from encoders.errors import QueryError
+from encoders.protocol import Encoder
 from search.moments.window_scores import Vectors
 from search.query.encoding import encode_queries
 from search.query.steps import split
@@ -53,7 +53,7 @@ class Question:
             given = split(given[0])
         return cls(tuple(given), "then" if len(given) > 1 else "alone")
 
-    def encode(self, bundle: Bundle) -> Vectors:
+    def encode(self, bundle: Encoder) -> Vectors:
         """The sentences as unit vectors (S, D)."""
         return encode_queries(bundle, self.sentences)
 

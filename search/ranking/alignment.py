@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.bundle import Bundle
 from encoders.motion import Motion
+from encoders.protocol import Encoder
 
 #: Clips nearest in meaning that are looked at closely, and the longest that are, in seconds.
 LOOKED_AT, LONGEST = 60, 60.0
@@ -23,7 +23,7 @@ _UNLIKE = 1.5  # mean squared difference, in variances, of clips that share noth
 _WEIGHT = 0.2
 
 
-def likeness(bundle: Bundle, motion: Motion, others: Sequence[Motion]) -> NDArray[np.float64]:
+def likeness(bundle: Encoder, motion: Motion, others: Sequence[Motion]) -> NDArray[np.float64]:
     """What likeness in time adds to the cosine of each other motion (N,): 0 to 0.3.
 
     Both motions are seen at 32 moments spread evenly; features are weighed by their spread over all motions at hand.

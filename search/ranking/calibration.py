@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.bundle import Bundle
 from encoders.corpus.composition.real import CaptionedTake
 from encoders.corpus.composition.synthetic import SyntheticClip, true_of
+from encoders.protocol import Encoder
 from search.query.encoding import encode_queries
 from search.query.known_words import lexicon
 from search.query.vocabulary import vocabulary
@@ -19,7 +19,7 @@ _HITS = 10
 
 
 def calibrate(
-    bundle: Bundle,
+    bundle: Encoder,
     background: Sequence[SyntheticClip],
     asked: Sequence[SyntheticClip],
     unrelated: Sequence[str],
@@ -71,7 +71,7 @@ def calibrate(
 
 
 def _described(
-    bundle: Bundle, takes: Sequence[CaptionedTake], background: NDArray[np.float16]
+    bundle: Encoder, takes: Sequence[CaptionedTake], background: NDArray[np.float16]
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Evidence and rightness of the first hits of what was said of real takes; right is what is described the same."""
     said = [(text, t.description) for t in takes for s in t.spans for text in (t.description, *s.captions)]

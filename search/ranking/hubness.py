@@ -11,13 +11,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.bundle.bundle import Bundle
+from encoders.protocol import Encoder
 
 #: The published share is a half, which takes more from short plain sentences than is good on validation.
 _NEAREST, _SHARE = 30, 0.35
 
 
-def hubness_penalty(bundle: Bundle, sentences: ArrayLike) -> NDArray[np.float32]:
+def hubness_penalty(bundle: Encoder, sentences: ArrayLike) -> NDArray[np.float32]:
     """What to take from the scores of sentences (N, D): (N,), zero where the bundle carries no unrelated motions."""
     vectors = np.asarray(sentences, np.float32)
     if bundle.calibration is None:

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.bundle.bundle import Bundle
+from encoders.protocol import Encoder
 from search.hits import Hit, Hits
 from search.query.known_words import Words, out_of_vocabulary_share
 
@@ -58,7 +58,7 @@ def chance(evidence: ArrayLike, coefficients: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(1 / (1 + np.exp(-(np.asarray(evidence) @ c[1:] + c[0]))))
 
 
-def judge(bundle: Bundle, query: ArrayLike, scores: ArrayLike, *, asked: str = "sentence") -> list[str]:
+def judge(bundle: Encoder, query: ArrayLike, scores: ArrayLike, *, asked: str = "sentence") -> list[str]:
     """The strength of each hit of one query.
 
     Parameters
@@ -88,7 +88,7 @@ def is_out_of_vocabulary(sentence: str, words: Words) -> bool:
     return out_of_vocabulary_share(sentence, words) >= _FOREIGN
 
 
-def downgrade(bundle: Bundle, sentences: Sequence[str], strengths: Sequence[str]) -> list[str]:
+def downgrade(bundle: Encoder, sentences: Sequence[str], strengths: Sequence[str]) -> list[str]:
     """Strengths of answers to sentences, each a degree less where one of these is doubtful.
 
     A bundle whose calibration holds no "words" doubts nothing.
@@ -99,7 +99,7 @@ def downgrade(bundle: Bundle, sentences: Sequence[str], strengths: Sequence[str]
     return [_LESS.get(strength, strength) for strength in strengths]
 
 
-def downgrade_hits(bundle: Bundle, sentences: Sequence[str], hits: Sequence[Hit]) -> Hits:
+def downgrade_hits(bundle: Encoder, sentences: Sequence[str], hits: Sequence[Hit]) -> Hits:
     """Hits with strengths as `downgrade` has them."""
     tempered = downgrade(bundle, sentences, [hit.strength for hit in hits])
     return Hits(replace(hit, strength=strength) for hit, strength in zip(hits, tempered, strict=True))

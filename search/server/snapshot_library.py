@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.bundle import Bundle
 from encoders.errors import MotionSeekError
+from encoders.protocol import Encoder
 from indexer.store.clips import Caption, Clip
 from indexer.vectors.flat import FlatVectors
 from indexer.vectors.sync import CLIPS, WINDOWS
@@ -72,7 +72,7 @@ class SearchRequest:
 class SnapshotLibrary(Library):
     """A `Library` for a server. Safe to share between threads."""
 
-    def __init__(self, folder: Path, *, bundle: Bundle | None = None) -> None:
+    def __init__(self, folder: Path, *, bundle: Encoder | None = None) -> None:
         super().__init__(folder, bundle=bundle)
         self._trouble: MotionSeekError | None = None
         self._held_queries: Cache[Vectors] = Cache(16_384)

@@ -17,6 +17,7 @@ from encoders.bundle.manifest import REQUIRED, digest
 from encoders.errors import BundleError
 from encoders.features.registry import FEATURE_KINDS
 from encoders.motion import Motion
+from encoders.protocol import Encoder
 
 SIZE = FEATURE_KINDS["body"].size
 
@@ -46,6 +47,13 @@ def sequences(*lengths: int, seed: int = 0) -> list[np.ndarray]:
 def walk(frames: int, fps: float = 20.0, seed: int = 0) -> Motion:
     steps = np.random.default_rng(seed).normal(0, 0.02, (frames, 22, 3)).cumsum(0)
     return Motion(steps + np.random.default_rng(1).normal(0, 0.5, (22, 3)), fps)
+
+
+def test_a_bundle_is_an_encoder(tiny_bundle: Path) -> None:
+    encoder: Encoder = Bundle.load(tiny_bundle)
+    members = {name for name in vars(Encoder) if not name.startswith("_")}
+    assert len(members) == 12
+    assert all(hasattr(encoder, name) for name in members)
 
 
 def test_it_says_what_it_is(bundle):

@@ -20,7 +20,7 @@ from encoders.features.registry import FEATURE_KINDS  # noqa: E402
 from encoders.tmr.conversion.onnx_graph import motion_graph, text_graph  # noqa: E402
 from encoders.tmr.conversion.quantise import MIDDLE, int4_rows, int8_rows  # noqa: E402
 from encoders.tmr.conversion.to_bundle import export_bundle  # noqa: E402
-from encoders.tmr.model.network import TMR, Encoder, Tower, valid_mask  # noqa: E402
+from encoders.tmr.model.network import TMR, Tower, TransformerEncoder, valid_mask  # noqa: E402
 from encoders.tmr.text.language_model import LanguageModel  # noqa: E402
 from encoders.tmr.training.recipe import default_network  # noqa: E402
 from tests.encoders.tiny_bundle import tiny_language, tiny_network, write  # noqa: E402
@@ -38,7 +38,7 @@ def run(graph: onnx.ModelProto, folder: Path, **feed: np.ndarray) -> np.ndarray:
 class MotionCase:
     """An encoder whose every size differs from every other, and its normaliser."""
 
-    encoder: Encoder
+    encoder: TransformerEncoder
     mean: np.ndarray
     std: np.ndarray
 
@@ -57,7 +57,7 @@ def motion(request) -> MotionCase:
     tower = Tower(9, width=24, layers=2, heads=3, feedforward=100, frames_per_token=frames_per_token)
     rng = np.random.default_rng(0)
     mean, std = rng.normal(size=9).astype(np.float32), rng.uniform(0.1, 2, 9).astype(np.float32)
-    return MotionCase(Encoder(tower, latent).eval(), mean, std)
+    return MotionCase(TransformerEncoder(tower, latent).eval(), mean, std)
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class TextCase:
     """A language model and an encoder on top."""
 
     language: LanguageModel
-    encoder: Encoder
+    encoder: TransformerEncoder
 
     def torch(self, ids: np.ndarray, mask: np.ndarray) -> np.ndarray:
         valid = torch.from_numpy(mask) > 0
@@ -159,7 +159,7 @@ def test_int8_graphs_are_small_and_near(text, tmp_path):
 
 
 def test_a_layer_of_another_kind_is_refused(motion):
-    encoder = Encoder(motion.encoder.tower, motion.encoder.latent)
+    encoder = TransformerEncoder(motion.encoder.tower, motion.encoder.latent)
     encoder.seqTransEncoder.layers[0] = torch.nn.Identity()
     with pytest.raises(TypeError, match="Identity"):
         motion_graph(encoder, motion.mean, motion.std)

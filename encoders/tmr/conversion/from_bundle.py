@@ -17,7 +17,7 @@ from torch import nn
 
 from encoders.bundle.manifest import MOTION, TEXT, read_manifest
 from encoders.errors import BundleError
-from encoders.tmr.model.network import TMR, Attention, Config, Encoder, EncoderLayer
+from encoders.tmr.model.network import TMR, Attention, Config, EncoderLayer, TransformerEncoder
 from encoders.tmr.model.normaliser import Normaliser
 
 Array = NDArray[np.float32]
@@ -84,7 +84,7 @@ class _Weights:
         raise LookupError(f"{name} is no constant")
 
 
-def _fill(encoder: Encoder, weights: _Weights) -> None:
+def _fill(encoder: TransformerEncoder, weights: _Weights) -> None:
     """Put a graph's weights into an encoder, which is the last thing in its graph; before it stands the gist."""
     matrices, scales = weights.of("Gemm", 2), weights.of("LayerNormalization", 2)
     linears = list(_matrices(encoder))
@@ -105,11 +105,11 @@ def _fill(encoder: Encoder, weights: _Weights) -> None:
             _unscale(layer.self_attn)
 
 
-def _layers(encoder: Encoder) -> list[EncoderLayer]:
+def _layers(encoder: TransformerEncoder) -> list[EncoderLayer]:
     return [layer for layer in encoder.seqTransEncoder.layers if isinstance(layer, EncoderLayer)]
 
 
-def _matrices(encoder: Encoder) -> Iterator[tuple[torch.Tensor, torch.Tensor]]:
+def _matrices(encoder: TransformerEncoder) -> Iterator[tuple[torch.Tensor, torch.Tensor]]:
     """Every matrix with its bias, but the gist's, in the order in which a graph computes them."""
     yield encoder.projection.weight, encoder.projection.bias
     for layer in _layers(encoder):

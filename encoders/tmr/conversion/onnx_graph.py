@@ -19,7 +19,7 @@ from onnx import TensorProto, helper, numpy_helper
 from torch import Tensor, nn
 
 from encoders.tmr.conversion.quantise import MIDDLE, int4_rows, int8_rows
-from encoders.tmr.model.network import Encoder, EncoderLayer, SentenceHead
+from encoders.tmr.model.network import EncoderLayer, SentenceHead, TransformerEncoder
 from encoders.tmr.text.language_model import LanguageLayer, LanguageNetwork
 
 OPSET = 20
@@ -154,7 +154,7 @@ class _Layer:
 
 
 def motion_graph(
-    encoder: Encoder, mean: NDArray[np.floating], std: NDArray[np.floating], *, int8: bool = False
+    encoder: TransformerEncoder, mean: NDArray[np.floating], std: NDArray[np.floating], *, int8: bool = False
 ) -> onnx.ModelProto:
     """features (batch, frames, F), lengths (batch,) -> latent (batch, D); the normaliser is inside.
 
@@ -173,7 +173,9 @@ def motion_graph(
     return graph.model("motion_encoder", inputs, latent, encoder.latent)
 
 
-def text_graph(encoder: Encoder, language: LanguageNetwork, max_tokens: int, *, int8: bool = False) -> onnx.ModelProto:
+def text_graph(
+    encoder: TransformerEncoder, language: LanguageNetwork, max_tokens: int, *, int8: bool = False
+) -> onnx.ModelProto:
     """input_ids (batch, tokens), attention_mask (batch, tokens), right-padded -> latent (batch, D).
 
     max_tokens : the most tokens a sentence may have; the table of positions ends there.
@@ -248,7 +250,7 @@ def _key_bias(graph: Graph, lengths: str, size: str) -> str:
     return graph.add("Unsqueeze", bias, graph.constant([1, 2]))
 
 
-def _encode(graph: Graph, encoder: Encoder, x: str, lengths: str) -> str:
+def _encode(graph: Graph, encoder: TransformerEncoder, x: str, lengths: str) -> str:
     """An ACTOR-style encoder's mu from tokens (batch, L, F) of which `lengths` (batch,) count."""
     width = encoder.tower.width
     batch, given = graph.size(x, 0), graph.size(x, 1)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from encoders.bundle.manifest import CALIBRATION, FORMAT, MANIFEST, MOTION, TEXT, TOKENIZER, digest
 from encoders.features.registry import FEATURE_KINDS
 from encoders.tmr.conversion.onnx_graph import motion_graph, text_graph
-from encoders.tmr.model.network import Encoder
+from encoders.tmr.model.network import TransformerEncoder
 from encoders.tmr.text.language_model import LanguageModel
 
 
@@ -28,8 +28,8 @@ def export_bundle(
     folder: Path,
     *,
     name: str,
-    motion_encoder: Encoder,
-    text_encoder: Encoder,
+    motion_encoder: TransformerEncoder,
+    text_encoder: TransformerEncoder,
     language: LanguageModel,
     mean: NDArray[np.float32],
     std: NDArray[np.float32],

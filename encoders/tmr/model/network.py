@@ -219,7 +219,7 @@ class SentenceHead(nn.Module):
         return self.narrow(x)
 
 
-class Encoder(nn.Module):
+class TransformerEncoder(nn.Module):
     """A sequence of features -> a Gaussian: two learned tokens go in front, their outputs are mu and logvar."""
 
     def __init__(self, tower: Tower, latent: int) -> None:
@@ -300,6 +300,6 @@ class TMR(nn.Module):
     def __init__(self, config: Config) -> None:
         super().__init__()
         self.config = config
-        self.motion_encoder = Encoder(config.motion, config.latent)
-        self.text_encoder = Encoder(config.text, config.latent)
+        self.motion_encoder = TransformerEncoder(config.motion, config.latent)
+        self.text_encoder = TransformerEncoder(config.text, config.latent)
         self.motion_decoder = None if config.decoder is None else Decoder(config.decoder, config.latent)

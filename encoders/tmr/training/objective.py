@@ -9,7 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from encoders.tmr.model.network import TMR, Encoder, Gaussian
+from encoders.tmr.model.network import TMR, Gaussian, TransformerEncoder
 from encoders.tmr.model.padding import pad
 from encoders.tmr.training import losses
 from encoders.tmr.training.batches import Batch
@@ -53,7 +53,7 @@ def contrast(text: Tensor, motion: Tensor, temperature: Tensor, batch: Batch, re
     return term
 
 
-def encode(encoder: Encoder, rows: Sequence[NDArray[np.floating]], groups: int = 3) -> Gaussian:
+def encode(encoder: TransformerEncoder, rows: Sequence[NDArray[np.floating]], groups: int = 3) -> Gaussian:
     """Rows of mixed lengths through an encoder, in groups of like length so that little is padding."""
     order = np.argsort([len(row) for row in rows], kind="stable")
     parts = [encoder(*pad([rows[i] for i in part])) for part in np.array_split(order, groups) if len(part)]

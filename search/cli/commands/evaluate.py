@@ -11,7 +11,7 @@ from encoders.errors import QueryError
 from search.cli import options
 
 if TYPE_CHECKING:
-    from encoders.bundle.bundle import Bundle
+    from encoders.protocol import Encoder
 
 _PROTOCOLS = ("labels", "described", "corpus", "nonsense", "moments")
 _FILE = click.Path(path_type=Path)
@@ -84,7 +84,7 @@ def _needed(folder: Path | None, protocol: str) -> Path:
     return folder
 
 
-def _labels(folder: Path, labels: Path, queries: Path, bundle: Bundle, as_json: bool) -> None:
+def _labels(folder: Path, labels: Path, queries: Path, bundle: Encoder, as_json: bool) -> None:
     from search.cli import terminal
     from search.evaluate.labelled_archive import evaluate_labels
 
@@ -103,7 +103,7 @@ def _labels(folder: Path, labels: Path, queries: Path, bundle: Bundle, as_json: 
     terminal.note(f"motion to sentence, right among the labels at rank 1: {100 * report.top1:.1f} %")
 
 
-def _described(folder: Path, captions: Path, split: str, bundle: Bundle, as_json: bool) -> None:
+def _described(folder: Path, captions: Path, split: str, bundle: Encoder, as_json: bool) -> None:
     from indexer.datasets.captioned_takes import captioned_takes
     from search.cli import terminal
     from search.evaluate.captioned_archive import evaluate_described
@@ -121,7 +121,7 @@ def _described(folder: Path, captions: Path, split: str, bundle: Bundle, as_json
     )
 
 
-def _corpus(count: int, bundle: Bundle) -> dict[str, dict[str, float]]:
+def _corpus(count: int, bundle: Encoder) -> dict[str, dict[str, float]]:
     from encoders.corpus.composition.seeds import TEST
     from encoders.corpus.composition.synthetic import synthetic_clips
     from encoders.features.registry import FEATURE_KINDS
@@ -137,7 +137,7 @@ def _moments(
     split: str,
     labelled: Path | None,
     segments: Path | None,
-    bundle: Bundle,
+    bundle: Encoder,
     as_json: bool,
 ) -> None:
     from indexer.datasets.captioned_takes import captioned_takes
@@ -170,7 +170,7 @@ def _every_tenth(takes: int) -> None:
         terminal.note(f"{takes} takes asked")
 
 
-def _nonsense(count: int, bundle: Bundle) -> dict[str, float]:
+def _nonsense(count: int, bundle: Encoder) -> dict[str, float]:
     from encoders.corpus.composition.seeds import TEST
     from encoders.corpus.composition.synthetic import synthetic_clips
     from encoders.features.registry import FEATURE_KINDS
