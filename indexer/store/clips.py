@@ -5,6 +5,7 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,8 @@ class Clip:
         Relative to `root`, with forward slashes.
     root : Path
         The indexed folder it lies in.
+    root_name : str
+        What `root` is called where absolute paths are not shown; see `root_names`.
     name : str
         The file's name without its ending.
     duration : float
@@ -44,6 +47,7 @@ class Clip:
     id: int
     path: str
     root: Path
+    root_name: str
     name: str
     duration: float
     fps: float
@@ -69,5 +73,16 @@ class Caption:
 
 def select(db: sqlite3.Connection, roots: Mapping[int, Path], condition: str, values: Sequence[Any]) -> list[Clip]:
     """The clips that meet an SQL condition with its values bound, in order of their ids."""
+    names = root_names(roots)
     rows = db.execute(f"SELECT {_COLUMNS} {LIVE} AND {condition} ORDER BY clips.id", values)
-    return [Clip(clip_id, path, roots[root], *rest) for clip_id, path, root, *rest in rows]
+    return [Clip(clip_id, path, roots[root], names[root], *rest) for clip_id, path, root, *rest in rows]
+
+
+def root_names(roots: Mapping[int, Path]) -> dict[int, str]:
+    """A unique name for each root: that of its folder, numbered where an earlier one has it ("takes", "takes (2)")."""
+    names: dict[int, str] = {}
+    for key, path in sorted(roots.items()):
+        folder = path.name or "root"
+        numbered = (f"{folder} ({number})" for number in count(2))
+        names[key] = next(name for name in chain([folder], numbered) if name not in names.values())
+    return names
