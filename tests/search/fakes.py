@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
+
+from encoders.motion import Motion
 
 FPS = 10.0
 DIMENSIONS = 8
 
 
 class MeanEncoder:
-    """Encodes a window as the unit vector of its mean; counts what it encodes."""
+    """An `Encoder` of windows as the unit vectors of their means; counts what it encodes."""
 
-    calibration = None
+    name, fingerprint, feature_kind = "mean", "mean", "body"
+    fps, max_frames, latent_size = FPS, 128, DIMENSIONS
 
-    def __init__(self) -> None:
+    def __init__(self, calibration: Mapping[str, np.ndarray] | None = None) -> None:
+        self.calibration = calibration
         self.encoded = 0
         self.most_at_once = 0
+
+    def features(self, motion: Motion) -> np.ndarray:
+        return motion.joints.reshape(len(motion), -1)
 
     def encode_windows(self, features: np.ndarray, starts: np.ndarray, length: int) -> np.ndarray:
         self.encoded += len(starts)
@@ -23,6 +32,15 @@ class MeanEncoder:
         sums = np.concatenate([np.zeros((1, features.shape[1])), np.cumsum(features, axis=0, dtype=np.float64)])
         means = sums[np.asarray(starts) + length] - sums[np.asarray(starts)]
         return (means / np.maximum(np.linalg.norm(means, axis=1, keepdims=True), 1e-9)).astype(np.float32)
+
+    def encode_features(self, features: Sequence[np.ndarray]) -> np.ndarray:
+        return np.stack([self.encode_windows(rows, np.array([0]), len(rows))[0] for rows in features])
+
+    def encode_motions(self, motions: Sequence[Motion]) -> np.ndarray:
+        return self.encode_features([self.features(motion) for motion in motions])
+
+    def encode_texts(self, sentences: Sequence[str]) -> np.ndarray:
+        raise NotImplementedError("sentences mean nothing to it; ask with `query`")
 
 
 def take(seconds: float, *actions: tuple[float, float, int], seed: int = 0) -> np.ndarray:

@@ -25,7 +25,7 @@ def clip(kind: int, seed: int) -> SyntheticClip:
 @pytest.fixture
 def calibration() -> dict[str, np.ndarray]:
     clips = [clip(i % 5, i) for i in range(60)]
-    return calibrate(KnownAnswers(), clips[:20], clips[20:], ["a person", "lorem ipsum"])  # type: ignore[arg-type]
+    return calibrate(KnownAnswers(), clips[:20], clips[20:], ["a person", "lorem ipsum"])
 
 
 def test_it_holds_what_judging_needs(calibration: dict[str, np.ndarray]) -> None:
@@ -42,18 +42,18 @@ def test_right_hits_are_strong_and_nonsense_is_weak(calibration: dict[str, np.nd
     bundle = KnownAnswers(calibration)
     right = bundle.encode_features([clip(1, 99).features])[0]
     one, nothing = bundle.encode_texts(["one", "nothing"])
-    assert strength.judge(bundle, one, [float(one @ right)]) == ["strong"]  # type: ignore[arg-type]
-    assert strength.judge(bundle, nothing, [float(nothing @ right)]) == ["weak"]  # type: ignore[arg-type]
+    assert strength.judge(bundle, one, [float(one @ right)]) == ["strong"]
+    assert strength.judge(bundle, nothing, [float(nothing @ right)]) == ["weak"]
 
 
 def test_sentences_in_foreign_words_are_doubted(calibration: dict[str, np.ndarray]) -> None:
     bundle = KnownAnswers(calibration)
-    assert strength.downgrade(bundle, ["one"], ["strong"]) == ["strong"]  # type: ignore[arg-type]
-    assert strength.downgrade(bundle, ["lorem ipsum"], ["strong"]) == ["plausible"]  # type: ignore[arg-type]
+    assert strength.downgrade(bundle, ["one"], ["strong"]) == ["strong"]
+    assert strength.downgrade(bundle, ["lorem ipsum"], ["strong"]) == ["plausible"]
 
 
 def test_a_motion_is_judged_by_other_motions_never_by_itself(calibration: dict[str, np.ndarray]) -> None:
     bundle = KnownAnswers(calibration)
     motion, alike, other = bundle.encode_features([clip(1, 99).features, clip(1, 98).features, clip(2, 97).features])
     scores = [float(motion @ alike), float(motion @ other)]
-    assert strength.judge(bundle, motion, scores, asked="motion") == ["strong", "weak"]  # type: ignore[arg-type]
+    assert strength.judge(bundle, motion, scores, asked="motion") == ["strong", "weak"]

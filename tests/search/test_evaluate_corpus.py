@@ -24,7 +24,7 @@ def clip(shown: int, said: int, *swapped: int) -> SyntheticClip:
 
 def test_a_model_that_knows_all_the_answers() -> None:
     clips = [clip(i % 5, i % 5, (i + 1) % 5) for i in range(40)]
-    figures = evaluate_corpus(clips, KnownAnswers())  # type: ignore[arg-type]
+    figures = evaluate_corpus(clips, KnownAnswers())
     assert figures["swapped"] == {"told apart": 100.0, "pairs": 40.0}
     same = figures["same sentence, text -> motion"]
     assert same["R@1"] == 0.0, "eight equal clips tie at rank (8 - 1) / 2, as published code counts"
@@ -36,7 +36,7 @@ def test_a_model_that_knows_all_the_answers() -> None:
 
 def test_a_model_that_takes_one_thing_for_the_other() -> None:
     clips = [clip((i + 1) % 5, i % 5, (i + 1) % 5) for i in range(40)]
-    figures = evaluate_corpus(clips, KnownAnswers())  # type: ignore[arg-type]
+    figures = evaluate_corpus(clips, KnownAnswers())
     assert figures["swapped"]["told apart"] == 0.0
     assert figures["same sentence, text -> motion"]["R@10"] == 0.0
 
@@ -50,7 +50,7 @@ def test_clips_of_which_the_sentence_is_also_true_count() -> None:
         np.eye(6, dtype=np.float32)[[1]], Scene(((ActionStep("walk", direction="left"),),)), (), ("four",), (walks,), ()
     )
     clips = [one_walk, left, *(clip(0, 0, 1) for _ in range(30))]
-    figures = evaluate_corpus(clips, KnownAnswers())  # type: ignore[arg-type]
+    figures = evaluate_corpus(clips, KnownAnswers())
     asked = 1 / 32
     true, same = figures["true of it, text -> motion"]["R@1"], figures["same sentence, text -> motion"]["R@1"]
     assert true - same == pytest.approx(100 * asked)
@@ -62,12 +62,12 @@ def test_sentences_in_words_never_met_are_true_of_every_clip_that_shows_the_acti
     never = {"kind0": (SENTENCES[0], SENTENCES[1]), "another": (SENTENCES[2],)}
     monkeypatch.setattr(corpus_retrieval, "wordings", lambda: never)
     clips = [clip(shown, 0) for shown in (0, 0, 3, 4)] + [clip(1, 1), clip(2, 2)]
-    figures = evaluate_corpus(clips, KnownAnswers())  # type: ignore[arg-type]
+    figures = evaluate_corpus(clips, KnownAnswers())
     assert figures["words never met, text -> motion"]["R@1"] == 50.0, "what nothing shows is not asked"
 
 
 def test_what_so_few_clips_cannot_show_is_left_out() -> None:
-    figures = evaluate_corpus([clip(i, i) for i in range(3)], KnownAnswers())  # type: ignore[arg-type]
+    figures = evaluate_corpus([clip(i, i) for i in range(3)], KnownAnswers())
     assert set(figures) == {
         "same sentence, text -> motion",
         "same sentence, motion -> text",

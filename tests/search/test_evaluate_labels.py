@@ -29,7 +29,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def report(folder: Path, queries: str = "queries.tsv"):
-    return evaluate_labels(folder, Path("labels.tsv"), Path(queries), KnownAnswers(), load=load)  # type: ignore[arg-type]
+    return evaluate_labels(folder, Path("labels.tsv"), Path(queries), KnownAnswers(), load=load)
 
 
 def test_average_precision_of_each_label(folder: Path) -> None:

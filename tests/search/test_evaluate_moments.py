@@ -69,7 +69,7 @@ def taken(*kinds: int, seconds: float = 4.0) -> AnnotatedTake:
 
 
 def test_a_model_that_knows_all_the_answers_finds_the_moments() -> None:
-    found = evaluate_moments([taken(0, 1, 2, 0, 3)], KnownAnswers(), steps=True)  # type: ignore[arg-type]
+    found = evaluate_moments([taken(0, 1, 2, 0, 3)], KnownAnswers(), steps=True)
     assert set(found) == {
         "motionseek",
         *(f"window of {size}" for size in (20, 40, 60)),
@@ -92,7 +92,7 @@ def test_a_model_that_knows_all_the_answers_finds_the_moments() -> None:
 
 
 def test_a_moment_in_another_take_counts_where_it_is_true_but_not_as_the_own_take() -> None:
-    found = evaluate_moments([taken(0, 1), taken(0, 2)], KnownAnswers())  # type: ignore[arg-type]
+    found = evaluate_moments([taken(0, 1), taken(0, 2)], KnownAnswers())
     anywhere = found["motionseek, all takes at once"]
     own = found["motionseek, all takes at once, its own take"]
     assert anywhere["accuracy at 0.5"] == 100.0
@@ -103,21 +103,21 @@ def test_a_moment_in_another_take_counts_where_it_is_true_but_not_as_the_own_tak
 def test_sentences_about_unseen_actions_are_counted_apart() -> None:
     known = taken(0, 1)
     unseen = AnnotatedTake(known.motion, (replace(known.marked[0], unseen=True), known.marked[1]), known.happens)
-    found = evaluate_moments([unseen], KnownAnswers())  # type: ignore[arg-type]
+    found = evaluate_moments([unseen], KnownAnswers())
     assert found["motionseek, unseen actions"]["questions"] == 1.0
     assert found["motionseek"]["questions"] == 2.0
 
 
 def test_no_window_is_encoded_twice_for_many_sentences() -> None:
     one, several = KnownAnswers(), KnownAnswers()
-    evaluate_moments([taken(0, 0, 1, 1, 0)], one)  # type: ignore[arg-type]
-    evaluate_moments([taken(0, 1, 2, 3, 4)], several)  # type: ignore[arg-type]
+    evaluate_moments([taken(0, 0, 1, 1, 0)], one)
+    evaluate_moments([taken(0, 1, 2, 3, 4)], several)
     assert several.encoded < 1.2 * one.encoded
 
 
 def test_a_remembered_window_has_the_vector_the_bundle_gives() -> None:
     model, features = KnownAnswers(), KnownAnswers().features(motion(0, 1, 2, seconds=2.0))
-    remembering = CachedBundle(model)  # type: ignore[arg-type]
+    remembering = CachedBundle(model)
     whole = remembering.encode_windows(features, np.arange(40), 20)
     part = remembering.encode_windows(features[7:], np.arange(0, 30, 2), 20)
     assert np.array_equal(part, whole[7:37:2])
@@ -139,7 +139,7 @@ def test_a_chain_over_a_repeated_action_is_right_too_if_it_is_in_order() -> None
 
 
 def test_tables_are_markdown() -> None:
-    figures = evaluate_moments([taken(0, 1, 2)], KnownAnswers(), steps=True)  # type: ignore[arg-type]
+    figures = evaluate_moments([taken(0, 1, 2)], KnownAnswers(), steps=True)
     first, recall, steps = moment_tables(figures)
     assert first.splitlines()[0].startswith("| first answer, by IoU | questions | 0.1 |")
     assert "| motionseek | 3 | 100.0 |" in first

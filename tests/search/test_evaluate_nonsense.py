@@ -14,16 +14,16 @@ CALIBRATION = {"motions": MOTIONS, "sentence_coefficients": np.array([-5.0, 10.0
 
 
 def test_sentences_far_from_every_motion_are_called_nothing() -> None:
-    figures = evaluate_nonsense(KnownAnswers(CALIBRATION), MOTIONS)  # type: ignore[arg-type]
+    figures = evaluate_nonsense(KnownAnswers(CALIBRATION), MOTIONS)
     assert figures["sentences"] >= 40
     assert figures["strong"] == figures["plausible"] == 0.0
 
 
 def test_sentences_near_a_motion_are_called_strong() -> None:
     gallery = np.eye(6, dtype=np.float32)
-    assert evaluate_nonsense(KnownAnswers(CALIBRATION), gallery)["strong"] == 100.0  # type: ignore[arg-type]
+    assert evaluate_nonsense(KnownAnswers(CALIBRATION), gallery)["strong"] == 100.0
 
 
 def test_without_calibration_nothing_can_be_said() -> None:
     with pytest.raises(BundleError, match="calibration"):
-        evaluate_nonsense(KnownAnswers(), MOTIONS)  # type: ignore[arg-type]
+        evaluate_nonsense(KnownAnswers(), MOTIONS)

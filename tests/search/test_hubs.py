@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from search.ranking.hubness import hubness_penalty
+from tests.search.fakes import MeanEncoder
 
 
 def unit(*rows: list[float]) -> np.ndarray:
@@ -21,26 +20,26 @@ MOTIONS = unit(*(np.array([1.0, 0.0, 0.0, 0.0]) + 0.3 * RNG.normal(size=(200, 4)
 HUB, OWN = unit([1.0, 0.0, 0.0, 0.0], [0.6, 0.0, 0.8, 0.0])
 
 
-def bundle(motions: np.ndarray | None) -> SimpleNamespace:
-    return SimpleNamespace(calibration=None if motions is None else {"motions": motions})
+def bundle(motions: np.ndarray | None) -> MeanEncoder:
+    return MeanEncoder(None if motions is None else {"motions": motions})
 
 
 def test_what_is_near_everything_no_longer_comes_first() -> None:
     motion = unit([0.95, 0.0, 0.4, 0.0])[0]
     cosines = np.stack([HUB, OWN]) @ motion
     assert cosines[0] > cosines[1]
-    adjusted = cosines - hubness_penalty(bundle(MOTIONS), np.stack([HUB, OWN]))  # type: ignore[arg-type]
+    adjusted = cosines - hubness_penalty(bundle(MOTIONS), np.stack([HUB, OWN]))
     assert adjusted[1] > adjusted[0]
 
 
 def test_a_share_of_the_mean_of_the_thirty_nearest_is_taken() -> None:
     nearest = np.sort(MOTIONS @ OWN)[-30:]
-    assert hubness_penalty(bundle(MOTIONS), OWN[None]) == pytest.approx([0.35 * nearest.mean()], abs=1e-6)  # type: ignore[arg-type]
+    assert hubness_penalty(bundle(MOTIONS), OWN[None]) == pytest.approx([0.35 * nearest.mean()], abs=1e-6)
 
 
 def test_few_motions_are_all_near() -> None:
-    assert hubness_penalty(bundle(MOTIONS[:3]), OWN[None]) == pytest.approx([0.35 * (MOTIONS[:3] @ OWN).mean()])  # type: ignore[arg-type]
+    assert hubness_penalty(bundle(MOTIONS[:3]), OWN[None]) == pytest.approx([0.35 * (MOTIONS[:3] @ OWN).mean()])
 
 
 def test_a_bundle_without_calibration_takes_nothing() -> None:
-    assert hubness_penalty(bundle(None), MOTIONS).tolist() == [0.0] * 200  # type: ignore[arg-type]
+    assert hubness_penalty(bundle(None), MOTIONS).tolist() == [0.0] * 200

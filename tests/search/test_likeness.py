@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 
 from encoders.motion import Motion
 from search.ranking.alignment import likeness
+from tests.search.fakes import MeanEncoder
 
 
 def _motion(seed: int, frames: int = 80) -> Motion:
@@ -18,11 +16,11 @@ def _motion(seed: int, frames: int = 80) -> Motion:
 
 
 @pytest.fixture
-def bundle() -> Any:
-    return SimpleNamespace(features=lambda motion: motion.joints.reshape(len(motion), -1))
+def bundle() -> MeanEncoder:
+    return MeanEncoder()
 
 
-def test_the_same_movement_gains_most_and_another_nothing_or_little(bundle: Any) -> None:
+def test_the_same_movement_gains_most_and_another_nothing_or_little(bundle: MeanEncoder) -> None:
     motion = _motion(0)
     noisy = Motion(motion.joints + 0.005)
     gains = likeness(bundle, motion, [noisy, *(_motion(seed) for seed in range(1, 6))])
@@ -31,12 +29,12 @@ def test_the_same_movement_gains_most_and_another_nothing_or_little(bundle: Any)
     assert (gains >= 0).all()
 
 
-def test_the_same_movement_at_a_slightly_other_pace_still_gains(bundle: Any) -> None:
+def test_the_same_movement_at_a_slightly_other_pace_still_gains(bundle: MeanEncoder) -> None:
     motion = _motion(0)
     slower = Motion(motion.joints, motion.fps * 0.9).resample(motion.fps)
     assert likeness(bundle, motion, [slower, _motion(1)])[0] > 0.2
 
 
-def test_clips_of_very_different_length_gain_nothing(bundle: Any) -> None:
+def test_clips_of_very_different_length_gain_nothing(bundle: MeanEncoder) -> None:
     motion = _motion(0)
     assert likeness(bundle, motion, [motion.crop(0, motion.duration / 2)]).tolist() == [0.0]

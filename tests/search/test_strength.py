@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 
 from search.query.known_words import lexicon
 from search.ranking import strength
+from tests.search.fakes import MeanEncoder
 
 
 def _unit(rows: np.ndarray) -> np.ndarray:
@@ -17,19 +15,17 @@ def _unit(rows: np.ndarray) -> np.ndarray:
 
 
 @pytest.fixture
-def bundle() -> Any:
+def bundle() -> MeanEncoder:
     background = _unit(np.random.default_rng(0).normal(size=(500, 64))).astype(np.float16)
-    return SimpleNamespace(
-        calibration={"motions": background, "sentence_coefficients": np.array([-4.0, 2.0, 1.0])},
-    )
+    return MeanEncoder({"motions": background, "sentence_coefficients": np.array([-4.0, 2.0, 1.0])})
 
 
-def test_a_hit_far_above_the_background_is_strong_and_one_inside_it_is_weak(bundle: Any) -> None:
+def test_a_hit_far_above_the_background_is_strong_and_one_inside_it_is_weak(bundle: MeanEncoder) -> None:
     query = _unit(np.ones(64))
     assert strength.judge(bundle, query, [0.9, 0.05]) == ["strong", "weak"]
 
 
-def test_a_query_near_everything_needs_a_higher_score(bundle: Any) -> None:
+def test_a_query_near_everything_needs_a_higher_score(bundle: MeanEncoder) -> None:
     near_everything = _unit(bundle.calibration["motions"].astype(np.float64).mean(axis=0))
     away = _unit(np.ones(64))
     score = 0.25
@@ -37,14 +33,14 @@ def test_a_query_near_everything_needs_a_higher_score(bundle: Any) -> None:
     assert near < far
 
 
-def test_a_higher_score_is_never_weaker(bundle: Any) -> None:
+def test_a_higher_score_is_never_weaker(bundle: MeanEncoder) -> None:
     order = {"weak": 0, "plausible": 1, "strong": 2}
     judged = [order[s] for s in strength.judge(bundle, _unit(np.ones(64)), np.linspace(-1, 1, 41))]
     assert judged == sorted(judged)
 
 
 def test_without_calibration_nothing_is_claimed() -> None:
-    assert strength.judge(SimpleNamespace(calibration=None), np.ones(4), [0.5]) == [""]  # type: ignore[arg-type]
+    assert strength.judge(MeanEncoder(), np.ones(4), [0.5]) == [""]
 
 
 @pytest.mark.parametrize(
@@ -56,7 +52,7 @@ def test_without_calibration_nothing_is_claimed() -> None:
     ],
 )
 def test_a_sentence_in_words_that_nobody_uses_of_motion_is_doubted(
-    bundle: Any, sentence: str, judged: list[str]
+    bundle: MeanEncoder, sentence: str, judged: list[str]
 ) -> None:
     said = ["strong", "plausible", "weak"]
     assert strength.downgrade(bundle, [sentence], said) == said, "a calibration without words doubts nothing"
