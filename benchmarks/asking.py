@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle.bundle import Bundle
-from encoders.corpus.composition.real import real_clips
+from encoders.corpus.composition.captioned_motion import real_clips
 from encoders.corpus.composition.seeds import VALIDATION
-from encoders.corpus.composition.synthetic import synthetic_clips
-from encoders.corpus.language import describe, parse
+from encoders.corpus.composition.synthetic_pairs import synthetic_clips
+from encoders.corpus.language.caption_generation import describe
+from encoders.corpus.language.parsing import parse
 from encoders.features.registry import FEATURE_KINDS
 from encoders.metrics import ranks
 from indexer.datasets.captioned_takes import captioned_takes

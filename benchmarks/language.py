@@ -17,14 +17,15 @@ from pathlib import Path
 import numpy as np
 
 from encoders.corpus.actions.programs import programs
-from encoders.corpus.language import captions, random_scene
-from encoders.corpus.language.measure import (
+from encoders.corpus.language.caption_generation import captions
+from encoders.corpus.language.coverage import (
     coverage,
-    phrasings_of_actions,
+    phrase_counts,
     vocabulary_shared,
     words_of,
     words_per_sentence,
 )
+from encoders.corpus.language.random_scenes import random_scene
 
 
 def _arguments() -> argparse.Namespace:
@@ -59,7 +60,7 @@ def main() -> None:
         print(f"  different words     theirs {len(their_words):5d}   ours {len(our_words):5d} in {len(ours)} captions")
         print(f"  their running words that ours use  {vocabulary_shared(our_words, their_words):6.1%}")
         print("  missing verbs:", ", ".join(f"{verb} {count}" for verb, count in found.missing.most_common(40)))
-    counts = phrasings_of_actions()
+    counts = phrase_counts()
     values = sorted(counts.values())
     many, most = (sum(value >= least for value in values) for least in (30, 60))
     print(f"phrasings: {len(counts)} actions for {len(programs())} programs, median {statistics.median(values):.0f}")

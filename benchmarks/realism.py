@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.corpus.composition.real import real_clips
-from encoders.corpus.composition.synthetic import make
+from encoders.corpus.composition.captioned_motion import real_clips
+from encoders.corpus.composition.synthetic_pairs import synthetic_clip
 from encoders.corpus.scene import ActionStep, Scene
 from encoders.features.canonical import FPS, LAYOUT, POINTS
 from encoders.features.registry import FEATURE_KINDS
@@ -57,7 +57,7 @@ def main() -> None:
     for action, said, speed in _GAITS:
         fitting = [x for x, captions in real if all(re.search(said, c) and not _BESIDES.search(c) for c in captions)]
         scene = Scene(((ActionStep(action, direction="forward"),),))
-        acted = [make(scene, rng, _BODY, count=1).features for _ in range(arguments.made)]
+        acted = [synthetic_clip(scene, rng, _BODY, count=1).features for _ in range(arguments.made)]
         print(f"\n{action}: {len(fitting)} real clips, {len(acted)} made")
         if not fitting:
             continue

@@ -12,9 +12,9 @@ import numpy as np
 import torch
 
 from encoders.bundle.bundle import Bundle
-from encoders.corpus.composition.real import CaptionedTake
+from encoders.corpus.composition.captioned_motion import CaptionedTake
 from encoders.corpus.composition.seeds import CALIBRATION
-from encoders.corpus.composition.synthetic import SyntheticClip, synthetic_clips
+from encoders.corpus.composition.synthetic_pairs import SyntheticClip, synthetic_clips
 from encoders.errors import MotionSeekError
 from encoders.features.registry import FEATURE_KINDS
 from encoders.tmr.conversion.to_bundle import export_bundle

@@ -1,4 +1,4 @@
-"""What a made clip shows: steps, the scene they form, and the clip with its truth."""
+"""What a synthetic clip shows: action steps, the scene they form, and the clip with its annotations."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from encoders.motion import FPS
 
 @dataclass(frozen=True)
 class ActionStep:
-    """One action with its particulars; an empty field says nothing about it.
+    """One action with its attributes; an empty field leaves that attribute unspecified.
 
     Attributes
     ----------
     action : str
         Name of an action program.
     side : str
-        "left", "right" or "both": the hand, arm, foot or leg that acts.
+        "left", "right" or "both": the side of the hand, arm, foot or leg that acts.
     direction : str
         "forward", "backward", "left", "right", "forward-left", "forward-right", "backward-left", "backward-right",
         "clockwise", "counterclockwise" (seen from above), "around", "up", "down", "in place", "zigzag",
@@ -29,7 +29,7 @@ class ActionStep:
     amplitude : str
         "small" or "large".
     count : int
-        How often; 0 says nothing.
+        Number of repetitions; 0 leaves it unspecified.
     style : str
         A name of `encoders.corpus.engine.style.STYLES`.
     height : str
@@ -46,16 +46,20 @@ class ActionStep:
     height: str = ""
 
     def __str__(self) -> str:
-        particulars = (self.side, self.direction, self.speed, self.amplitude, self.style, self.height)
+        attributes = (self.side, self.direction, self.speed, self.amplitude, self.style, self.height)
         count = f"{self.count} times" if self.count else ""
-        return ", ".join([self.action, *filter(None, (*particulars, count))])
+        return ", ".join([self.action, *filter(None, (*attributes, count))])
+
+
+#: Steps that happen at the same time.
+StepGroup = tuple[ActionStep, ...]
 
 
 @dataclass(frozen=True)
 class Scene:
-    """Steps in sequence; the steps of one inner tuple happen at once."""
+    """Groups of steps in sequence; the steps of one group happen at the same time."""
 
-    steps: tuple[tuple[ActionStep, ...], ...]
+    steps: tuple[StepGroup, ...]
 
     def __str__(self) -> str:
         return "; then ".join(" while ".join(map(str, group)) for group in self.steps)
@@ -63,18 +67,18 @@ class Scene:
 
 @dataclass(frozen=True)
 class SceneClip:
-    """A made motion and everything known about it.
+    """A synthetic motion with its annotations.
 
     Attributes
     ----------
     joints : float32 array (T, 22, 3)
         Metres, Y up.
     fps : float
-        Frames a second.
+        Frames per second.
     scene : Scene
-        What is shown.
+        What it shows.
     spans : tuple of (float, float)
-        Start and end in seconds of each step group of the scene.
+        Start and end of each step group, seconds.
     captions : tuple of str
         Sentences that describe the whole clip.
     """

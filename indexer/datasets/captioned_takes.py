@@ -9,7 +9,7 @@ from itertools import repeat
 from pathlib import Path
 from typing import Any
 
-from encoders.corpus.composition.real import CaptionedSpan, CaptionedTake
+from encoders.corpus.composition.captioned_motion import CaptionedSpan, CaptionedTake
 from encoders.errors import MotionSeekError, QueryError
 from indexer.ingest.load import load_motion
 

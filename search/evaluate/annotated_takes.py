@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from encoders.corpus.composition.captioned_motion import CaptionedTake
 from encoders.corpus.composition.long_takes import AnnotatedTake, Event, annotated_take, heldout_take, joined_take
-from encoders.corpus.composition.real import CaptionedTake
 from encoders.corpus.composition.seeds import TEST
 from encoders.errors import MotionSeekError, QueryError
 from encoders.motion import Motion

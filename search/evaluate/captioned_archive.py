@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.corpus.composition.real import CaptionedTake
+from encoders.corpus.composition.captioned_motion import CaptionedTake
 from encoders.errors import QueryError
 from encoders.metrics import ranks
 from encoders.protocol import Encoder

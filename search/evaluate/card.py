@@ -9,7 +9,7 @@ import numpy as np
 
 from encoders.bundle.bundle import Bundle
 from encoders.corpus.composition.seeds import TEST
-from encoders.corpus.composition.synthetic import SyntheticClip, synthetic_clips
+from encoders.corpus.composition.synthetic_pairs import SyntheticClip, synthetic_clips
 from encoders.features.registry import FEATURE_KINDS
 from indexer.datasets.captioned_takes import captioned_takes
 from search.evaluate.captioned_archive import evaluate_described

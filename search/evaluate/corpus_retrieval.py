@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from encoders.corpus.composition.facts import facts
-from encoders.corpus.composition.synthetic import SyntheticClip, true_of
-from encoders.corpus.heldout.words import wordings
+from encoders.corpus.composition.synthetic_pairs import SyntheticClip, relevance
+from encoders.corpus.heldout.queries import paraphrase_queries
 from encoders.metrics import in_batches, ranks, recalls, text_motion
 from encoders.protocol import Encoder
 
@@ -32,7 +32,7 @@ def evaluate_corpus(clips: Iterable[SyntheticClip], bundle: Encoder) -> dict[str
     sentences = [clip.captions[0] for clip in clips]
     similarity = bundle.encode_texts(sentences) @ gallery.T
     same = np.array(sentences)[:, None] == np.array(sentences)[None, :]
-    true = true_of(clips) | same
+    true = relevance(clips) | same
     both = text_motion(similarity, same)
     figures = {
         "same sentence, text -> motion": both["text->motion"],
@@ -41,7 +41,10 @@ def evaluate_corpus(clips: Iterable[SyntheticClip], bundle: Encoder) -> dict[str
     }
     shown = [facts(clip.scene) for clip in clips]
     asked = [
-        (text, action) for action, texts in wordings().items() if any(action in f for f in shown) for text in texts
+        (text, action)
+        for action, texts in paraphrase_queries().items()
+        if any(action in f for f in shown)
+        for text in texts
     ]
     if asked:
         right = np.array([[action in found for found in shown] for _, action in asked])
@@ -49,9 +52,11 @@ def evaluate_corpus(clips: Iterable[SyntheticClip], bundle: Encoder) -> dict[str
         figures["words never met, text -> motion"] = recalls(ranks(never_met, right))
     if len(clips) >= _BATCH:
         figures[f"batches of {_BATCH}, text -> motion"] = in_batches(similarity, _BATCH)["text->motion"]
-    changed = [i for i, clip in enumerate(clips) if clip.swapped and clip.swapped[0]]
+    changed = [i for i, clip in enumerate(clips) if clip.hard_negatives and clip.hard_negatives[0]]
     if changed:
-        false = np.einsum("nd,nd->n", bundle.encode_texts([clips[i].swapped[0] for i in changed]), gallery[changed])
+        false = np.einsum(
+            "nd,nd->n", bundle.encode_texts([clips[i].hard_negatives[0] for i in changed]), gallery[changed]
+        )
         told = np.diagonal(similarity)[changed] > false
         figures["swapped"] = {"told apart": 100 * float(told.mean()), "pairs": float(len(changed))}
     return figures

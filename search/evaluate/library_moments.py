@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.corpus.composition.long_takes import AnnotatedTake, Marked
+from encoders.corpus.composition.long_takes import AnnotatedTake, Annotation
 from encoders.protocol import Encoder
 from indexer.vectors.flat import FlatVectors, Found, Rows
 from search.evaluate.moment_metrics import Overlaps, best_overlaps
@@ -23,7 +23,7 @@ class Gallery:
         self._bundle = bundle
         self.takes: list[AnnotatedTake] = []
         self.sources: list[MotionSource] = []
-        self._asked: list[tuple[int, Marked, Vectors]] = []
+        self._asked: list[tuple[int, Annotation, Vectors]] = []
         self._index: FlatVectors | None = None
 
     def __len__(self) -> int:
@@ -31,7 +31,9 @@ class Gallery:
 
     def add(self, take: AnnotatedTake, source: MotionSource, queries: Vectors) -> None:
         """A take with the unit vectors (Q, D) of its marked sentences."""
-        self._asked += [(len(self.takes), marked, query) for marked, query in zip(take.marked, queries, strict=True)]
+        self._asked += [
+            (len(self.takes), marked, query) for marked, query in zip(take.annotations, queries, strict=True)
+        ]
         self.takes.append(take)
         self.sources.append(source)
         self._index = None
@@ -62,6 +64,6 @@ class Gallery:
             own.rows.append(np.array(at_home))
         return anywhere, own
 
-    def _truth(self, place: int, home: int, marked: Marked) -> list[tuple[float, float]]:
+    def _truth(self, place: int, home: int, marked: Annotation) -> list[tuple[float, float]]:
         """Where in a take a sentence is true that was marked in the take `home`."""
         return list(marked.spans) if place == home else self.takes[place].spans(marked.meaning)

@@ -64,7 +64,7 @@ def evaluate_moments(
     kept = {round(seconds * bundle.fps) for seconds in CURVE_LENGTHS}
     for number, take in enumerate(takes, start=1):
         source = MotionSource.of_motion(take.motion)
-        queries = encode_queries(bundle, [marked.sentence for marked in take.marked])
+        queries = encode_queries(bundle, [marked.sentence for marked in take.annotations])
         _ask(ways, bundle, encoder, source, take, queries)
         if steps:
             ordered += [ask_in_order(encoder, source, take, run) for run in draw_steps(take, rng, _ORDERED)]
@@ -88,7 +88,7 @@ def _ask(
     """All sentences of one take, in every way."""
     windows = _grid_spans(len(source.features(encoder)), bundle.fps)
     slid = best_of(bundle, take.motion, queries)
-    for marked, query, paper in zip(take.marked, queries, slid, strict=True):
+    for marked, query, paper in zip(take.annotations, queries, slid, strict=True):
         found = find(encoder, source, Question((marked.sentence,)), query[None], _ANSWERS)
         ours = [(moment.start, moment.end) for moment, _ in found]
         best = [(paper[0].start, paper[0].end)]
@@ -97,7 +97,7 @@ def _ask(
             ways[f"window of {size}"].add([(paper[size].start, paper[size].end)], marked.spans)
         ways["best of the three"].add(best, marked.spans)
         ways["ceiling of the grid"].rows.append(best_overlaps(windows, marked.spans).max(keepdims=True))
-        if marked.unseen:
+        if marked.held_out:
             ways["motionseek, unseen actions"].add(ours, marked.spans)
             ways["best of the three, unseen actions"].add(best, marked.spans)
 

@@ -20,8 +20,8 @@ _STEPS = 3
 
 def draw_steps(take: AnnotatedTake, rng: Generator, count: int) -> list[tuple[Event, ...]]:
     """Up to `count` runs of three things that follow one another in a take."""
-    firsts = rng.permutation(max(len(take.happens) - _STEPS + 1, 0))[:count]
-    return [take.happens[i : i + _STEPS] for i in sorted(firsts)]
+    firsts = rng.permutation(max(len(take.events) - _STEPS + 1, 0))[:count]
+    return [take.events[i : i + _STEPS] for i in sorted(firsts)]
 
 
 def ask_in_order(bundle: Encoder, source: MotionSource, take: AnnotatedTake, steps: tuple[Event, ...]) -> float:
@@ -36,7 +36,7 @@ def ask_in_order(bundle: Encoder, source: MotionSource, take: AnnotatedTake, ste
     found = find(bundle, source, question, question.encode(bundle), 1)
     if not found:
         return 0.0
-    truth = {marked.sentence: marked.spans for marked in take.marked}
+    truth = {marked.sentence: marked.spans for marked in take.annotations}
     return chain_overlap([(step.start, step.end) for step in found[0][1]], [truth[s.sentence] for s in steps])
 
 

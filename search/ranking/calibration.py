@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.corpus.composition.real import CaptionedTake
-from encoders.corpus.composition.synthetic import SyntheticClip, true_of
+from encoders.corpus.composition.captioned_motion import CaptionedTake
+from encoders.corpus.composition.synthetic_pairs import SyntheticClip, relevance
 from encoders.protocol import Encoder
 from search.query.encoding import encode_queries
 from search.query.known_words import lexicon
@@ -51,7 +51,7 @@ def calibrate(
     evidence, truth = _top_hits(
         np.concatenate([sentences, nothing]),
         gallery,
-        np.concatenate([true_of(asked), np.zeros((len(nothing), len(gallery)), bool)]),
+        np.concatenate([relevance(asked), np.zeros((len(nothing), len(gallery)), bool)]),
         motions,
     )
     if takes:

@@ -11,10 +11,14 @@ import numpy as np
 import pytest
 
 from encoders.corpus.actions.programs import programs
-from encoders.corpus.language import HeldOut, captions, describe, parse, random_scene, swaps
+from encoders.corpus.language.caption_generation import captions, describe
 from encoders.corpus.language.clause import choose_phrase, fill
+from encoders.corpus.language.coverage import coverage, phrase_counts
+from encoders.corpus.language.hard_negatives import contrasting_scenes
+from encoders.corpus.language.held_out_sentences import HeldOutSentences
 from encoders.corpus.language.lexicon import entries, entry_of
-from encoders.corpus.language.measure import coverage, phrasings_of_actions
+from encoders.corpus.language.parsing import parse
+from encoders.corpus.language.random_scenes import random_scene
 from encoders.corpus.language.subjects import Subject
 from encoders.corpus.scene import ActionStep, Scene
 from encoders.english import gerund, past, third_person
@@ -37,7 +41,7 @@ def test_every_program_has_phrases() -> None:
 
 
 def test_phrases_are_many_for_common_actions_and_enough_for_all() -> None:
-    counts = phrasings_of_actions()
+    counts = phrase_counts()
     assert {name: counts[name] for name in COMMON if counts[name] < 60} == {}
     assert {name: count for name, count in counts.items() if count < 10} == {}
 
@@ -112,7 +116,7 @@ def test_captions_say_the_right_count() -> None:
 def test_a_held_out_sentence_is_never_written() -> None:
     scene = one("clap")
     common = max(set(many(scene)), key=many(scene).count)
-    held_out = HeldOut([common.upper() + "!"])
+    held_out = HeldOutSentences([common.upper() + "!"])
     assert held_out(common)
     assert not [text for text in captions(scene, random.Random(5), 200, held_out) if held_out(text)]
 
@@ -185,13 +189,13 @@ def test_our_own_plain_captions_are_mostly_read() -> None:
 
 def test_swaps_differ_in_one_thing_and_stay_legal() -> None:
     scene = Scene(((ActionStep("wave", side="left", count=3),), (ActionStep("turn", direction="right"),)))
-    found = {str(other) for other in swaps(scene)}
+    found = {str(other) for other in contrasting_scenes(scene)}
     assert "turn, right; then wave, left, 3 times" in found
     assert "wave, right, 3 times; then turn, right" in found
     assert "wave, left, 3 times; then turn, left" in found
     assert "wave, left, 4 times; then turn, right" in found
     assert str(scene) not in found
-    assert swaps(one("clap")) == []
+    assert contrasting_scenes(one("clap")) == []
 
 
 def test_verb_forms() -> None:

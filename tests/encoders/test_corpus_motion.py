@@ -7,14 +7,15 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from encoders.corpus.actions.programs import parts_of, program, programs, sample_step
-from encoders.corpus.composition.scene_clips import act_scene, compatible, make_clip
+from encoders.corpus.actions.programs import compatible, parts_of, programs, sample_step
+from encoders.corpus.composition.scene_clips import act_scene, make_clip
 from encoders.corpus.engine.arm_carriage import CARRIAGES
 from encoders.corpus.engine.curves import ANKLE, HANGING, STAND, Curves, standing
 from encoders.corpus.engine.joining import join
 from encoders.corpus.engine.posing import OFFSETS, pose, random_geometry
+from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import NEUTRAL, STYLES, Manner, apply_manner
-from encoders.corpus.engine.style_variants import OTHER_WAYS
+from encoders.corpus.engine.style_variants import STYLE_VARIANTS
 from encoders.corpus.scene import ActionStep, Scene, SceneClip
 from encoders.motion import Motion
 from encoders.skeleton import INDEX, PARENTS
@@ -341,9 +342,9 @@ def test_styles_change_the_body(style: str, measure: str, sign: int) -> None:
 
 
 def test_other_ways_to_act_a_style_are_of_styles_that_exist_and_say_manner_fields() -> None:
-    assert set(OTHER_WAYS) <= set(STYLES)
+    assert set(STYLE_VARIANTS) <= set(STYLES)
     named = {field.name for field in fields(NEUTRAL)}
-    assert all(set(way) <= named for ways in OTHER_WAYS.values() for way in ways)
+    assert all(set(way) <= named for ways in STYLE_VARIANTS.values() for way in ways)
 
 
 @pytest.mark.parametrize(("action", "style", "sign"), [

@@ -11,7 +11,7 @@ from encoders.corpus.scene import ActionStep
 from encoders.skeleton import INDEX, PARENTS
 
 ACTED = sorted(
-    name for name, p in programs().items() if p.make.__module__ == "encoders.corpus.engine.performance"
+    name for name, p in programs().items() if p.make.__module__ == "encoders.corpus.engine.keyframed_actions"
 )  # made of key poses
 SIDES = {"left": LEFT, "right": RIGHT}
 

@@ -9,9 +9,11 @@ from encoders.corpus.actions.programs import held_out_programs, program_of, prog
 from encoders.corpus.composition.long_takes import heldout_take
 from encoders.corpus.composition.scene_clips import make_clip
 from encoders.corpus.engine.style import STYLES
-from encoders.corpus.heldout import styles, words
-from encoders.corpus.language import parse, random_scene
+from encoders.corpus.heldout.heldout_styles import HELD_OUT_STYLES
+from encoders.corpus.heldout.queries import ACTION_QUERIES, STYLE_PHRASES
 from encoders.corpus.language.lexicon import entries
+from encoders.corpus.language.parsing import parse
+from encoders.corpus.language.random_scenes import random_scene
 from encoders.corpus.scene import ActionStep, Scene
 
 HELD_OUT = sorted(held_out_programs())
@@ -19,7 +21,7 @@ HELD_OUT = sorted(held_out_programs())
 
 def test_programs_held_out_are_not_among_those_of_training() -> None:
     assert len(HELD_OUT) >= 12
-    assert set(HELD_OUT) == set(words.ACTIONS)
+    assert set(HELD_OUT) == set(ACTION_QUERIES)
     assert not set(HELD_OUT) & set(programs())
     assert all(program_of(name).held_out for name in HELD_OUT)
     assert not set(HELD_OUT) & {entry.replace("_", " ") for entry in entries()}
@@ -29,18 +31,18 @@ def test_no_drawn_scene_shows_them() -> None:
     rng = np.random.default_rng(0)
     steps = [step for _ in range(300) for group in random_scene(rng).steps for step in group]
     assert not {step.action for step in steps} & set(HELD_OUT)
-    assert not {step.style for step in steps} & set(styles.STYLES)
+    assert not {step.style for step in steps} & set(HELD_OUT_STYLES)
 
 
 def test_no_sentence_is_read_as_them() -> None:
-    scenes = [parse(sentence) for said in words.ACTIONS.values() for sentence in said]
+    scenes = [parse(sentence) for said in ACTION_QUERIES.values() for sentence in said]
     steps = [step for scene in scenes if scene for group in scene.steps for step in group]
     assert not {step.action for step in steps} & set(HELD_OUT)
 
 
 def test_manners_held_out_are_none_of_training() -> None:
-    assert set(styles.STYLES) == set(words.STYLES)
-    assert not set(styles.STYLES) & set(STYLES)
+    assert set(HELD_OUT_STYLES) == set(STYLE_PHRASES)
+    assert not set(HELD_OUT_STYLES) & set(STYLES)
 
 
 @pytest.mark.parametrize("action", HELD_OUT)
@@ -56,10 +58,10 @@ def test_they_are_acted_out_by_sound_bodies(action: str) -> None:
 
 def test_a_take_of_them_mixes_unseen_actions_with_known_ones_in_unseen_manners() -> None:
     taken = heldout_take(np.random.default_rng(0), least=60.0, most=60.0)
-    assert {marked.unseen for marked in taken.marked} == {True, False}
-    manners = {fact.split("=")[1] for h in taken.happens for fact in h.facts if ".style=" in fact}
+    assert {marked.held_out for marked in taken.annotations} == {True, False}
+    manners = {fact.split("=")[1] for h in taken.events for fact in h.facts if ".style=" in fact}
     assert manners
-    assert manners <= set(styles.STYLES)
-    for marked in taken.marked:
+    assert manners <= set(HELD_OUT_STYLES)
+    for marked in taken.annotations:
         assert list(marked.spans) == taken.spans(marked.meaning)
         assert marked.spans

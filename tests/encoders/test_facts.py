@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from encoders.corpus.actions.programs import programs
-from encoders.corpus.composition.facts import _KINDS_OF, Untold, facts, stated_by
+from encoders.corpus.composition.facts import _KINDS_OF, Underspecified, entailment_of_indices, facts
 from encoders.corpus.scene import ActionStep, Scene
 
 
@@ -61,7 +61,7 @@ def test_every_kind_of_action_exists() -> None:
 
 
 def test_a_meaning_holds_where_all_its_facts_are_and_no_facts_mean_nothing_is_known() -> None:
-    holds = stated_by([[0], [0, 1], [2], []], [[0], [0, 1], [0, 1, 2]], 3)
+    holds = entailment_of_indices([[0], [0, 1], [2], []], [[0], [0, 1], [0, 1, 2]], 3)
     assert holds.tolist() == [[True, True, True], [False, True, True], [False, False, True], [False] * 3]
     assert holds.dtype == np.bool_
 
@@ -88,4 +88,4 @@ def test_a_meaning_holds_where_all_its_facts_are_and_no_facts_mean_nothing_is_kn
 def test_who_says_so_little_means_nothing_special(said: Scene, shown: Scene, untold: bool) -> None:
     vocabulary = sorted(facts(said) | facts(shown))
     rows = [[vocabulary.index(fact) for fact in facts(scene)] for scene in (said, shown)]
-    assert Untold(vocabulary)(rows[:1], rows[1:]).item() is untold
+    assert Underspecified(vocabulary)(rows[:1], rows[1:]).item() is untold

@@ -8,10 +8,17 @@ import numpy as np
 import pytest
 
 from encoders.corpus.actions.programs import programs
-from encoders.corpus.composition import synthetic
+from encoders.corpus.composition import synthetic_pairs
 from encoders.corpus.composition.facts import facts
-from encoders.corpus.composition.synthetic import SyntheticClip, settle, synthetic_clips, told, true_of
-from encoders.corpus.language import HeldOut, parse
+from encoders.corpus.composition.synthetic_pairs import (
+    SyntheticClip,
+    caption_and_hard_negative,
+    complete_scene,
+    relevance,
+    synthetic_clips,
+)
+from encoders.corpus.language.held_out_sentences import HeldOutSentences
+from encoders.corpus.language.parsing import parse
 from encoders.corpus.scene import ActionStep, Scene, SceneClip
 from encoders.features.registry import FEATURE_KINDS, FeatureKind
 
@@ -23,7 +30,7 @@ SENTENCES = ("a person walks forward and sits down", "someone waves with the lef
 def unacted(monkeypatch: pytest.MonkeyPatch) -> FeatureKind:
     """Scenes are described but not acted out, so that many can be looked at."""
     still = np.zeros((20, 22, 3), np.float32)
-    monkeypatch.setattr(synthetic, "make_clip", lambda scene, rng: SceneClip(still, scene=scene))
+    monkeypatch.setattr(synthetic_pairs, "make_clip", lambda scene, rng: SceneClip(still, scene=scene))
     return FeatureKind("none", 1, 10.0, lambda motion: np.zeros((len(motion), 1), np.float32))
 
 
@@ -32,7 +39,7 @@ def test_the_same_seed_makes_the_same_clips() -> None:
     other = next(synthetic_clips(8, 1, BODY, sentences=SENTENCES))
     for a, b in zip(first, again, strict=True):
         assert np.array_equal(a.features, b.features)
-        assert (a.captions, a.swapped, a.spans) == (b.captions, b.swapped, b.spans)
+        assert (a.captions, a.hard_negatives, a.spans) == (b.captions, b.hard_negatives, b.spans)
     assert other.captions != first[0].captions
 
 
@@ -61,7 +68,7 @@ def test_a_twin_says_nearly_the_same_in_nearly_the_same_words(unacted: FeatureKi
     changed = [
         len(set(text.split()) ^ set(twin.split()))
         for clip in synthetic_clips(6, 60, unacted)
-        for text, twin in zip(clip.captions, clip.swapped, strict=True)
+        for text, twin in zip(clip.captions, clip.hard_negatives, strict=True)
         if twin
     ]
     assert len(changed) > 30
@@ -72,7 +79,7 @@ def test_swapped_captions_are_false(unacted: FeatureKind) -> None:
     read = [
         (facts(meant), facts(clip.scene), text)
         for clip in synthetic_clips(4, 300, unacted)
-        for text in clip.swapped
+        for text in clip.hard_negatives
         if (meant := parse(text)) is not None
     ]
     assert len(read) > 10
@@ -82,10 +89,10 @@ def test_swapped_captions_are_false(unacted: FeatureKind) -> None:
 
 def test_held_out_sentences_are_never_used(unacted: FeatureKind) -> None:
     def used(clips: list[SyntheticClip]) -> set[str]:
-        return {text for clip in clips for text in (*clip.captions, *clip.swapped)}
+        return {text for clip in clips for text in (*clip.captions, *clip.hard_negatives)}
 
     free = used(list(synthetic_clips(5, 40, unacted, sentences=SENTENCES)))
-    held_out = HeldOut(sorted(free)[::2])
+    held_out = HeldOutSentences(sorted(free)[::2])
     kept = used(list(synthetic_clips(5, 40, unacted, sentences=SENTENCES, held_out=held_out)))
     assert any(map(held_out, free))
     assert not any(map(held_out, kept))
@@ -99,10 +106,10 @@ def test_human_sentences_are_acted_out_and_kept_as_captions(unacted: FeatureKind
 def test_what_a_scene_leaves_open_is_decided_and_what_it_says_stays() -> None:
     rng = np.random.default_rng(0)
     sided = next(name for name, program in programs().items() if program.sides)
-    assert settle(Scene(((ActionStep(sided),),)), rng).steps[0][0].side in programs()[sided].sides
+    assert complete_scene(Scene(((ActionStep(sided),),)), rng).steps[0][0].side in programs()[sided].sides
     said = Scene(((ActionStep("wave", side="left"), ActionStep("walk", direction="backward")),))
-    assert settle(said, rng) == said
-    assert settle(Scene(((ActionStep("walk"),),)), rng).steps[0][0].direction == "forward"
+    assert complete_scene(said, rng) == said
+    assert complete_scene(Scene(((ActionStep("walk"),),)), rng).steps[0][0].direction == "forward"
 
 
 def test_a_sentence_is_true_of_its_clip_and_of_those_that_show_the_same() -> None:
@@ -111,7 +118,7 @@ def test_a_sentence_is_true_of_its_clip_and_of_those_that_show_the_same() -> Non
 
     walk, left = Scene(((ActionStep("walk"),),)), Scene(((ActionStep("walk", direction="left"),),))
     right = Scene(((ActionStep("walk", direction="right"),),))
-    assert true_of([clip(walk, right), clip(left, left), clip(right, right)]).tolist() == [
+    assert relevance([clip(walk, right), clip(left, left), clip(right, right)]).tolist() == [
         [True, True, True],
         [False, True, False],
         [True, False, True],
@@ -120,7 +127,7 @@ def test_a_sentence_is_true_of_its_clip_and_of_those_that_show_the_same() -> Non
 
 def test_some_captions_leave_open_which_hand_it_is_and_count_for_either() -> None:
     rng = np.random.default_rng(0)
-    said = [told(Scene(((ActionStep("wave", side="right"),),)), rng)[:2] for _ in range(200)]
+    said = [caption_and_hard_negative(Scene(((ActionStep("wave", side="right"),),)), rng)[:2] for _ in range(200)]
     left = facts(Scene(((ActionStep("wave", side="left"),),)))
     either = [text for text, stated in said if stated <= left]
     assert 40 < len(either) < 120

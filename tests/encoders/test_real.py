@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.composition.real import CaptionedSpan, CaptionedTake, mirror_words, real_clips
+from encoders.corpus.composition.captioned_motion import CaptionedSpan, CaptionedTake, mirror_words, real_clips
 from encoders.features.registry import FEATURE_KINDS, FeatureKind
 from encoders.motion import Motion
 

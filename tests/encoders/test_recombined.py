@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.composition.augmentation import (
-    Piece,
-    joined_pair,
-    laid_over,
-    made_gesture,
-    pieces,
-    recombined,
-    with_arms,
+from encoders.corpus.composition.captioned_motion import CaptionedSpan, CaptionedTake
+from encoders.corpus.composition.compositional_augmentation import (
+    CaptionedSegment,
+    augmented_clips,
+    captioned_segments,
+    concatenate_segments,
+    overlay_arms,
+    replace_arms,
+    synthetic_gesture,
 )
-from encoders.corpus.composition.real import CaptionedSpan, CaptionedTake
 from encoders.corpus.engine.posing import OFFSETS
 from encoders.corpus.scene import ActionStep, Scene
 from encoders.motion import Motion
@@ -61,20 +61,26 @@ def test_pieces_are_captioned_parts_of_one_to_seven_seconds_said_in_few_words() 
         CaptionedSpan(("goes on and on",), 0.0, 9.0),
     )
     take = CaptionedTake("a.bvh", "1", Motion(walking(200)), "", spans)
-    assert [(len(p.joints), p.captions) for p in pieces([take])] == [(60, ("walks",))]
+    assert [(len(p.joints), p.captions) for p in captioned_segments([take])] == [(60, ("walks",))]
 
 
 def test_a_joined_pair_lasts_as_long_as_both_and_is_told_in_order() -> None:
-    first, second = Piece(walking(40), ("a man walks",)), Piece(arms_up(30), ("the person raises both arms",))
-    joined = joined_pair(first, second, np.random.default_rng(0))
+    first, second = (
+        CaptionedSegment(walking(40), ("a man walks",)),
+        CaptionedSegment(arms_up(30), ("the person raises both arms",)),
+    )
+    joined = concatenate_segments(first, second, np.random.default_rng(0))
     assert len(joined.motion.joints) == 70
     assert all(said.index("walk") < said.index("rais") for said in joined.captions)
-    assert all(said.index("rais") < said.index("walk") for said in joined.swapped)
+    assert all(said.index("rais") < said.index("walk") for said in joined.hard_negatives)
 
 
 def test_the_second_subject_is_not_said_again() -> None:
-    pair = Piece(walking(40), ("a man walks",)), Piece(arms_up(30), ("the person is raising both arms",))
-    said = {text for seed in range(20) for text in joined_pair(*pair, np.random.default_rng(seed)).captions}
+    pair = (
+        CaptionedSegment(walking(40), ("a man walks",)),
+        CaptionedSegment(arms_up(30), ("the person is raising both arms",)),
+    )
+    said = {text for seed in range(20) for text in concatenate_segments(*pair, np.random.default_rng(seed)).captions}
     assert "a man walks before raising both arms" in said
     assert not any("person" in text for text in said)
 
@@ -82,7 +88,7 @@ def test_the_second_subject_is_not_said_again() -> None:
 @pytest.mark.parametrize("angle", [0.0, 2.0])
 def test_arms_go_along_with_the_trunk_they_are_moved_to(angle: float) -> None:
     body = turned(walking(10), angle)
-    moved = with_arms(body, arms_up(10))
+    moved = replace_arms(body, arms_up(10))
     up = moved[:, INDEX["left_wrist"]] - moved[:, INDEX["left_shoulder"]]
     assert np.allclose(up / np.linalg.norm(up, axis=1)[:, None], [0, 1, 0], atol=0.02)
     rest = np.delete(np.arange(22), ARMS)
@@ -91,7 +97,7 @@ def test_arms_go_along_with_the_trunk_they_are_moved_to(angle: float) -> None:
 
 def test_bones_of_the_arms_keep_the_carriers_lengths() -> None:
     body = walking(10) * 1.1
-    moved = with_arms(body, arms_up(10))
+    moved = replace_arms(body, arms_up(10))
     for upper, lower in (("shoulder", "elbow"), ("elbow", "wrist")):
         joints = [INDEX[f"left_{upper}"], INDEX[f"left_{lower}"]]
         lengths = [np.linalg.norm(np.diff(x[:, joints], axis=1), axis=-1) for x in (body, moved)]
@@ -99,33 +105,39 @@ def test_bones_of_the_arms_keep_the_carriers_lengths() -> None:
 
 
 def test_what_is_laid_over_lasts_while_both_do_and_says_both() -> None:
-    laid = laid_over(
-        Piece(walking(60), ("walks forward",)), Piece(arms_up(40), ("raises both arms",)), np.random.default_rng(1)
+    laid = overlay_arms(
+        CaptionedSegment(walking(60), ("walks forward",)),
+        CaptionedSegment(arms_up(40), ("raises both arms",)),
+        np.random.default_rng(1),
     )
     assert len(laid.motion.joints) == 40
     assert all("walk" in said and "rais" in said for said in laid.captions)
-    assert not laid.swapped
+    assert not laid.hard_negatives
 
 
 def test_a_made_gesture_of_one_hand_does_not_always_say_which() -> None:
-    made = [made_gesture(np.random.default_rng(seed)) for seed in range(60)]
+    made = [synthetic_gesture(np.random.default_rng(seed)) for seed in range(60)]
     said = {text for piece in made for text in piece.captions if "one hand" in text or "one arm" in text}
     assert said
     assert not any(side in text for text in said for side in ("left", "right"))
 
 
 def test_the_scene_of_what_is_put_together_is_known_where_both_are_understood() -> None:
-    walk, up, odd = (Piece.said(walking(40), (said,)) for said in ("a man walks", "raises both arms", "gnarls"))
+    walk, up, odd = (
+        CaptionedSegment.parsed(walking(40), (said,)) for said in ("a man walks", "raises both arms", "gnarls")
+    )
     rng = np.random.default_rng(0)
-    assert joined_pair(walk, up, rng).scene == Scene(((ActionStep("walk"),), (ActionStep("raise arm", side="both"),)))
-    assert laid_over(walk, up, rng).scene == Scene(((ActionStep("walk"), ActionStep("raise arm", side="both")),))
-    assert joined_pair(walk, odd, rng).scene is laid_over(odd, up, rng).scene is None
+    assert concatenate_segments(walk, up, rng).scene == Scene(
+        ((ActionStep("walk"),), (ActionStep("raise arm", side="both"),))
+    )
+    assert overlay_arms(walk, up, rng).scene == Scene(((ActionStep("walk"), ActionStep("raise arm", side="both")),))
+    assert concatenate_segments(walk, odd, rng).scene is overlay_arms(odd, up, rng).scene is None
 
 
 def test_as_many_as_asked_and_the_same_again_from_the_same_chance() -> None:
     spans = (CaptionedSpan(("walks",), 0.0, 3.0), CaptionedSpan(("strolls",), 2.0, 6.0))
     take = CaptionedTake("a.bvh", "1", Motion(walking(200)), "", spans)
-    runs = [list(recombined([take], 6, np.random.default_rng(3))) for _ in range(2)]
+    runs = [list(augmented_clips([take], 6, np.random.default_rng(3))) for _ in range(2)]
     assert len(runs[0]) == 6
     for a, b in zip(*runs, strict=True):
         assert a.captions == b.captions
@@ -134,4 +146,4 @@ def test_as_many_as_asked_and_the_same_again_from_the_same_chance() -> None:
 
 def test_nothing_comes_of_one_piece() -> None:
     take = CaptionedTake("a.bvh", "1", Motion(walking(60)), "", (CaptionedSpan(("walks",), 0.0, 3.0),))
-    assert list(recombined([take], 5, np.random.default_rng(0))) == []
+    assert list(augmented_clips([take], 5, np.random.default_rng(0))) == []

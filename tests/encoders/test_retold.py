@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.composition.real_captions import retell
+from encoders.corpus.composition.caption_augmentation import augment_captions
 
 
 def test_it_is_told_in_other_words_that_state_no_more_than_was_said() -> None:
-    told = retell(["a person walks backwards slowly"], np.random.default_rng(0), count=8)
+    told = augment_captions(["a person walks backwards slowly"], np.random.default_rng(0), count=8)
     assert told is not None
     assert len(set(told.captions)) > 4
     assert len(told.meanings) == 9
@@ -18,26 +18,26 @@ def test_it_is_told_in_other_words_that_state_no_more_than_was_said() -> None:
 
 
 def test_who_goes_without_a_word_of_direction_goes_ahead_but_no_sentence_says_so() -> None:
-    told = retell(["a person walks"], np.random.default_rng(0))
+    told = augment_captions(["a person walks"], np.random.default_rng(0))
     assert told is not None
     assert told.facts == {"walk", "walk.direction=forward"}
     assert set(told.meanings) == {frozenset({"walk"})}
 
 
 def test_what_looks_alike_but_is_false_comes_with_it() -> None:
-    told = retell(["a person walks to the left"], np.random.default_rng(0), count=8)
+    told = augment_captions(["a person walks to the left"], np.random.default_rng(0), count=8)
     assert told is not None
-    assert any("right" in text and "left" not in text for text in told.swapped)
+    assert any("right" in text and "left" not in text for text in told.hard_negatives)
 
 
 def test_what_several_people_said_is_all_known_to_be_shown() -> None:
-    told = retell(["a person walks forward", "a man walks quickly"], np.random.default_rng(0))
+    told = augment_captions(["a person walks forward", "a man walks quickly"], np.random.default_rng(0))
     assert told is not None
     assert told.facts == {"walk", "walk.direction=forward", "walk.speed=fast"}
 
 
 def test_a_sentence_not_understood_states_the_actions_that_others_name() -> None:
-    told = retell(
+    told = augment_captions(
         ["some quite unlikely goings-on", "a person walks forward and then sits down"], np.random.default_rng(0)
     )
     assert told is not None
@@ -55,9 +55,9 @@ def test_a_sentence_not_understood_states_the_actions_that_others_name() -> None
     ],
 )
 def test_a_mere_manner_need_not_be_understood(said: str, shown: set[str] | None) -> None:
-    told = retell([said], np.random.default_rng(0))
+    told = augment_captions([said], np.random.default_rng(0))
     assert (told and told.facts) == shown
 
 
 def test_of_what_nobody_understands_nothing_is_told() -> None:
-    assert retell(["some quite unlikely goings-on"], np.random.default_rng(0)) is None
+    assert augment_captions(["some quite unlikely goings-on"], np.random.default_rng(0)) is None

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.composition.long_takes import join, joined_take, synthetic_take
+from encoders.corpus.composition.concatenation import concatenate_clips
+from encoders.corpus.composition.long_takes import joined_take, synthetic_take
 from encoders.motion import Motion
 from encoders.skeleton import INDEX
 
@@ -28,7 +29,7 @@ def walker(frames: int, *, heading: float = 0.0, place: tuple[float, float] = (0
 
 def test_each_clip_begins_where_and_facing_as_the_one_before_ended() -> None:
     clips = [walker(40).joints, walker(30, heading=2.0, place=(5, -3)).joints, walker(20, heading=-1.0).joints]
-    joined = join(clips)
+    joined = concatenate_clips(clips)
     assert joined.shape == (90, 22, 3)
     root = joined[:, INDEX["pelvis"]]
     assert root[:, 0] == pytest.approx(np.zeros(90), abs=1e-4)
@@ -38,14 +39,14 @@ def test_each_clip_begins_where_and_facing_as_the_one_before_ended() -> None:
 
 def test_the_seam_does_not_jump() -> None:
     high = walker(20).joints + np.array([0, 0.5, 0], np.float32)
-    joined = join([walker(20).joints, high])
+    joined = concatenate_clips([walker(20).joints, high])
     assert np.abs(np.diff(joined, axis=0)).max() < 0.15
 
 
 def test_joining_changes_no_clip() -> None:
     clips = [walker(10).joints.copy(), walker(10, heading=1.0).joints.copy()]
     before = [clip.copy() for clip in clips]
-    join(clips)
+    concatenate_clips(clips)
     assert all(np.array_equal(a, b) for a, b in zip(clips, before, strict=True))
 
 
@@ -55,18 +56,18 @@ def test_spans_of_joined_clips_are_exact_at_any_frame_rate() -> None:
     lengths = [len(motion.resample(20.0)) for motion, _ in clips] + [40]
     ends = np.cumsum(lengths) / 20
     assert len(taken.motion) == sum(lengths)
-    assert [marked.sentence for marked in taken.marked] == ["a", "b"]
-    assert taken.marked[0].spans == ((0.0, ends[0]), (ends[1], ends[2]))
-    assert taken.marked[1].spans == ((ends[0], ends[1]),)
+    assert [marked.sentence for marked in taken.annotations] == ["a", "b"]
+    assert taken.annotations[0].spans == ((0.0, ends[0]), (ends[1], ends[2]))
+    assert taken.annotations[1].spans == ((ends[0], ends[1]),)
     assert taken.motion.duration == ends[-1]
 
 
 def test_a_made_take_marks_every_action_it_shows() -> None:
     taken = synthetic_take(np.random.default_rng(3), least=12.0, most=12.0)
-    spans = sorted({span for marked in taken.marked for span in marked.spans})
+    spans = sorted({span for marked in taken.annotations for span in marked.spans})
     assert 12.0 <= taken.motion.duration < 60.0
-    assert len({marked.sentence for marked in taken.marked}) == len(taken.marked)
-    assert all(marked.spans for marked in taken.marked)
+    assert len({marked.sentence for marked in taken.annotations}) == len(taken.annotations)
+    assert all(marked.spans for marked in taken.annotations)
     assert spans[0][0] == pytest.approx(0.0, abs=1.5)
     assert spans[-1][1] <= taken.motion.duration + 1e-6
     assert all(start < end for start, end in spans)

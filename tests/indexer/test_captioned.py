@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.corpus.composition.real import CaptionedSpan, CaptionedTake
+from encoders.corpus.composition.captioned_motion import CaptionedSpan, CaptionedTake
 from encoders.errors import QueryError, UnreadableMotion
 from encoders.motion import Motion
 from indexer.datasets.captioned_takes import captioned_takes

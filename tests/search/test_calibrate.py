@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.composition.synthetic import SyntheticClip
+from encoders.corpus.composition.synthetic_pairs import SyntheticClip
 from encoders.corpus.scene import ActionStep, Scene
 from search.ranking import strength
 from search.ranking.calibration import calibrate

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.corpus.composition.synthetic import SyntheticClip
+from encoders.corpus.composition.synthetic_pairs import SyntheticClip
 from encoders.corpus.scene import ActionStep, Scene
 from search.evaluate import corpus_retrieval
 from search.evaluate.corpus_retrieval import evaluate_corpus
@@ -60,7 +60,7 @@ def test_sentences_in_words_never_met_are_true_of_every_clip_that_shows_the_acti
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     never = {"kind0": (SENTENCES[0], SENTENCES[1]), "another": (SENTENCES[2],)}
-    monkeypatch.setattr(corpus_retrieval, "wordings", lambda: never)
+    monkeypatch.setattr(corpus_retrieval, "paraphrase_queries", lambda: never)
     clips = [clip(shown, 0) for shown in (0, 0, 3, 4)] + [clip(1, 1), clip(2, 2)]
     figures = evaluate_corpus(clips, KnownAnswers())
     assert figures["words never met, text -> motion"]["R@1"] == 50.0, "what nothing shows is not asked"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from encoders.corpus.composition.real import CaptionedSpan, CaptionedTake
+from encoders.corpus.composition.captioned_motion import CaptionedSpan, CaptionedTake
 from encoders.errors import QueryError
 from search.evaluate.captioned_archive import evaluate_described
 from tests.search.answers import KnownAnswers, motion

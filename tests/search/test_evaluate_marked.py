@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.corpus.composition.real import CaptionedSpan, CaptionedTake
+from encoders.corpus.composition.captioned_motion import CaptionedSpan, CaptionedTake
 from encoders.errors import QueryError
 from encoders.motion import Motion
 from search.evaluate import annotated_takes
@@ -23,20 +23,20 @@ def captioned(trial: str, *spans: tuple[str, float, float], seconds: float = 20.
 def test_composed_takes_hold_what_training_does_not_show() -> None:
     (take,) = annotated_takes.composed(1, seed=5)
     assert 30.0 <= take.motion.duration < 150.0
-    assert any(m.unseen for m in take.marked)
+    assert any(m.held_out for m in take.annotations)
 
 
 def test_joined_takes_are_as_long_as_asked_and_repeat_sentences() -> None:
     clips = [(made_motion(3.0, 0), "walks"), (made_motion(4.0, 1), "jumps")]
     for take in annotated_takes.joined(clips, 3):
         assert 30.0 <= take.motion.duration <= 124.0
-        assert {m.sentence for m in take.marked} == {"walks", "jumps"}
+        assert {m.sentence for m in take.annotations} == {"walks", "jumps"}
 
 
 def test_a_sentence_about_a_whole_take_is_no_moment_of_it() -> None:
     takes = [captioned("01_01", ("walks", 0.0, float("inf")), ("jumps", 2.0, 5.0), ("jumps", 8.0, float("inf")))]
     (take,) = annotated_takes.captioned_moments(takes)
-    assert [(m.sentence, m.spans) for m in take.marked] == [("jumps", ((2.0, 5.0), (8.0, 20.0)))]
+    assert [(m.sentence, m.spans) for m in take.annotations] == [("jumps", ((2.0, 5.0), (8.0, 20.0)))]
 
 
 def test_a_trial_in_several_rigs_is_asked_once() -> None:
@@ -58,7 +58,7 @@ def test_timed_labels_are_asked_in_words(archive: Path) -> None:
     rows = [{"start": 1, "end": 2.5, "label": "KneeRaise"}, {"start": 60, "end": 70, "label": "not in it"}]
     (archive / "segments.json").write_text(json.dumps({"1": rows, "2": rows}), encoding="utf-8")
     (take,) = annotated_takes.timed_segments(archive, archive / "segments.json")
-    assert [(m.sentence, m.spans) for m in take.marked] == [("knee raise", ((1, 2.5),))]
+    assert [(m.sentence, m.spans) for m in take.annotations] == [("knee raise", ((1, 2.5),))]
     assert isinstance(take.motion, Motion)
 
 

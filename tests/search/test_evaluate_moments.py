@@ -102,7 +102,9 @@ def test_a_moment_in_another_take_counts_where_it_is_true_but_not_as_the_own_tak
 
 def test_sentences_about_unseen_actions_are_counted_apart() -> None:
     known = taken(0, 1)
-    unseen = AnnotatedTake(known.motion, (replace(known.marked[0], unseen=True), known.marked[1]), known.happens)
+    unseen = AnnotatedTake(
+        known.motion, (replace(known.annotations[0], held_out=True), known.annotations[1]), known.events
+    )
     found = evaluate_moments([unseen], KnownAnswers())
     assert found["motionseek, unseen actions"]["questions"] == 1.0
     assert found["motionseek"]["questions"] == 2.0

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from encoders.corpus.language import HeldOut
+from encoders.corpus.language.held_out_sentences import HeldOutSentences
 from encoders.errors import QueryError
 from encoders.features.registry import FEATURE_KINDS
 from search.cli.commands.train import real_stores
@@ -34,7 +34,7 @@ def people(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]
 
 
 def test_sentences_are_held_out_of_training_only(people: tuple[Path, Path]) -> None:
-    banned = HeldOut(["a man walks", "somebody strolls"])
+    banned = HeldOutSentences(["a man walks", "somebody strolls"])
     training, validation = real_stores(*people, FEATURE_KINDS["body"], banned)
     assert "a man hops" in training.texts
     assert not any(banned(text) for text in training.texts)
@@ -44,7 +44,7 @@ def test_sentences_are_held_out_of_training_only(people: tuple[Path, Path]) -> N
 
 def test_real_clips_without_a_caption_to_train_on_are_an_error(people: tuple[Path, Path]) -> None:
     with pytest.raises(QueryError, match="split 'train'"):
-        real_stores(*people, FEATURE_KINDS["body"], HeldOut(["a man hops", "a man walks"]))
+        real_stores(*people, FEATURE_KINDS["body"], HeldOutSentences(["a man hops", "a man walks"]))
 
 
 @pytest.mark.parametrize("command", ["train", "release"])

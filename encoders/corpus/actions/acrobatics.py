@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.random import Generator
 
-from encoders.corpus.actions.programs import program
 from encoders.corpus.engine.curves import ANKLE, HIP, Array, Curves, ease
 from encoders.corpus.engine.joining import place
-from encoders.corpus.engine.key_poses import STANDING, perform, pose
 from encoders.corpus.engine.posing import OFFSETS, rotation, turn
 from encoders.corpus.engine.posing import pose as pose_body
+from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import duration
+from encoders.corpus.engine.whole_body_poses import STANDING, perform, pose
 from encoders.corpus.scene import ActionStep
 from encoders.skeleton import INDEX
 

@@ -6,11 +6,23 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 
-from encoders.corpus.actions.programs import AMPLITUDES, program
-from encoders.corpus.engine.curves import ANKLE, HIP, LEFT, RIGHT, SIDES, STAND, TORSO, Array, Curves, hold, standing
-from encoders.corpus.engine.key_poses import STANDING, down_and_up, perform, pose, repeated, waver
+from encoders.corpus.engine.curves import (
+    ANKLE,
+    HIP,
+    LEFT,
+    RIGHT,
+    SIDE_INDEX,
+    STAND,
+    TORSO,
+    Array,
+    Curves,
+    hold,
+    standing,
+)
+from encoders.corpus.engine.program import AMPLITUDES, program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import duration
+from encoders.corpus.engine.whole_body_poses import STANDING, down_and_up, perform, pose, repeated, waver
 from encoders.corpus.scene import ActionStep
 
 
@@ -84,7 +96,7 @@ HANG = (0.2, -0.9, 0.15)
 def lunge(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """A long step with one leg, its knee bent deeply, and back."""
     toward = step.direction or "forward"
-    leg = {"left": LEFT, "right": RIGHT}.get(toward, SIDES.get(step.side, int(rng.integers(2))))
+    leg = {"left": LEFT, "right": RIGHT}.get(toward, SIDE_INDEX.get(step.side, int(rng.integers(2))))
     sign = 1.0 if leg == LEFT else -1.0
     own, other = ("left", "right") if leg == LEFT else ("right", "left")
     names = {

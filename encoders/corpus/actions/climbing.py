@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import Generator
 
-from encoders.corpus.actions.programs import program
 from encoders.corpus.engine.curves import LEFT, LEGS, RIGHT, Array, Curves, ease, frames_of, keys, standing
 from encoders.corpus.engine.gait import PAD, Course, Gait, plant, step_along
+from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import tempo
 from encoders.corpus.engine.trajectories import AHEAD, effort, seconds, travel

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import Generator
 
-from encoders.corpus.actions.programs import program
 from encoders.corpus.engine.curves import LEGS, Array, Curves
 from encoders.corpus.engine.gait import PAD, Gait, step_along
+from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.trajectories import integrate, travel
 from encoders.corpus.scene import ActionStep

@@ -6,14 +6,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from encoders.corpus.engine.curves import ARMS
-from encoders.corpus.engine.keyframes import REST, Key, back, key
-from encoders.corpus.engine.performance import HANDS, ONE_ARM, SIDED, SIZES, UPPER, Cue, acted, moved, orbit
+from encoders.corpus.engine.keyframed_actions import HANDS, ONE_ARM, SIDED, UPPER, Cue, keyframed, moved, orbit
+from encoders.corpus.engine.keyframes import REST, KeyPose, back, key
+from encoders.corpus.engine.program import AMPLITUDES
 
 GROUP = "exercise"
 
 
-@acted("jumping jacks", group=GROUP, counts=(2, 10), amplitudes=SIZES, weight=3)
-def jumping_jacks(c: Cue) -> list[Key]:
+@keyframed("jumping jacks", group=GROUP, counts=(2, 10), amplitudes=AMPLITUDES, weight=3)
+def jumping_jacks(c: Cue) -> list[KeyPose]:
     """Feet apart and arms up in one hop, together and down in the next; half of them only half as high."""
     size, beat = c.size(0.12), c.r(0.38, 0.62)
     wide, hop = 0.22 * min(size, 1.3), c.r(0.05, 0.12)
@@ -22,7 +23,7 @@ def jumping_jacks(c: Cue) -> list[Key]:
     )
     low = c.about((0.12, -0.93, 0.1), 0.02)
     side = (0.97, -0.05, 0.08)
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(4, 9, 2 * beat)):
         keys += [
             key(beat * 0.5, feet=(wide / 2, hop, 0), root=(0, hop - 0.02, 0), hands=side),
@@ -33,11 +34,11 @@ def jumping_jacks(c: Cue) -> list[Key]:
     return [*keys, back(0.4)]
 
 
-@acted(
-    "arm circles", group=GROUP, parts=ONE_ARM, sides=HANDS, amplitudes=SIZES, directions=("forward", "backward"),
+@keyframed(
+    "arm circles", group=GROUP, parts=ONE_ARM, sides=HANDS, amplitudes=AMPLITUDES, directions=("forward", "backward"),
     counts=(2, 8), weight=2,
 )  # fmt: skip
-def arm_circles(c: Cue) -> list[Key]:
+def arm_circles(c: Cue) -> list[KeyPose]:
     """Small circles of outstretched arms, or whole wheels of straight arms."""
     way = -1 if c.step.direction == "backward" or (not c.step.direction and c.chance(0.4)) else 1
     hand = "hand" if c.step.side else "hands"
@@ -54,8 +55,8 @@ def arm_circles(c: Cue) -> list[Key]:
     return [key(0.7, **{hand: centre + first}), *turns, back(0.8)]
 
 
-@acted("swing arms", group=GROUP, parts=ARMS, directions=SIDED, amplitudes=SIZES, counts=(2, 8), weight=1.5)
-def swing_arms(c: Cue) -> list[Key]:
+@keyframed("swing arms", group=GROUP, parts=ARMS, directions=SIDED, amplitudes=AMPLITUDES, counts=(2, 8), weight=1.5)
+def swing_arms(c: Cue) -> list[KeyPose]:
     """Loose arms swung to and fro, opposed or together, or across the body and open."""
     size, beat, kind = c.size(0.25), c.r(0.35, 0.6), c.rng.random()
     front, rear = (0.08, -0.9 + 0.45 * size, 0.45 * size + 0.3), (0.12, -0.85, -0.38 * size)
@@ -68,14 +69,14 @@ def swing_arms(c: Cue) -> list[Key]:
         a, b = {"hands": front, "root": (0, 0, 0)}, {"hands": rear, "root": (0, -0.05, 0)}
     else:
         a, b = {"hands": (0.95, -0.1, 0.1)}, {"lead": (-0.65, -0.05, 0.5), "off": (-0.65, -0.12, 0.55)}
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(3, 7, 2 * beat)):
         keys += [key(beat, **a), key(beat, **b)]
     return [*keys, back(0.6)]
 
 
-@acted("flap arms", group=GROUP, parts=ARMS, amplitudes=SIZES, counts=(2, 10), weight=1.5)
-def flap_arms(c: Cue) -> list[Key]:
+@keyframed("flap arms", group=GROUP, parts=ARMS, amplitudes=AMPLITUDES, counts=(2, 10), weight=1.5)
+def flap_arms(c: Cue) -> list[KeyPose]:
     """Like a bird's wings."""
     size, beat = c.size(0.25), c.r(0.2, 0.45)
     rise = 0.45 * size
@@ -88,11 +89,11 @@ def flap_arms(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("side bend", group=GROUP, parts=UPPER, directions=SIDED, counts=(1, 6), weight=1.5)
-def side_bend(c: Cue) -> list[Key]:
+@keyframed("side bend", group=GROUP, parts=UPPER, directions=SIDED, counts=(1, 6), weight=1.5)
+def side_bend(c: Cue) -> list[KeyPose]:
     """Bend to a side with the other arm over the head; without a direction to both in turn."""
     deep, hips = c.r(0.35, 0.7), c.chance(0.3)
-    side, keys = c.toward or 1.0, list[Key]()
+    side, keys = c.toward or 1.0, list[KeyPose]()
     for index in range(c.times(1, 3) if c.step.direction else c.times(2, 5)):
         way = side if c.step.direction or index % 2 == 0 else -side
         upper, lower = ("off", "lead") if way > 0 else ("lead", "off")
@@ -105,8 +106,8 @@ def side_bend(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("toe touch", group=GROUP, sides=SIDED, counts=(1, 8), weight=2)
-def toe_touch(c: Cue) -> list[Key]:
+@keyframed("toe touch", group=GROUP, sides=SIDED, counts=(1, 8), weight=2)
+def toe_touch(c: Cue) -> list[KeyPose]:
     """Bend with straight legs and reach for the feet with both hands, or with one for the other foot (windmill)."""
     wind, beat = bool(c.step.side) or c.chance(0.3), c.r(0.5, 0.9)
     fold = {"pelvis": (1.1, 0, 0), "root": (0, -0.06, -0.17), "head": (0.1, 0, 0)}
@@ -129,12 +130,12 @@ def toe_touch(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted(
+@keyframed(
     "stretch arms", group=GROUP, parts=UPPER, sides=HANDS, directions=("up", "left", "right"), counts=(1, 4), weight=2
 )
-def stretch_arms(c: Cue) -> list[Key]:
+def stretch_arms(c: Cue) -> list[KeyPose]:
     """Overhead with both, one overhead, or one drawn across the chest by the other."""
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 2)):
         if c.both or (c.step.direction == "up" and not c.step.side) or (not c.step.side and c.chance(0.4)):
             lean = c.r(-0.15, 0.0)
@@ -159,8 +160,10 @@ def stretch_arms(c: Cue) -> list[Key]:
     return keys
 
 
-@acted("leg swing", group=GROUP, sides=SIDED, directions=("forward", "left", "right"), amplitudes=SIZES, counts=(2, 8))
-def leg_swing(c: Cue) -> list[Key]:
+@keyframed(
+    "leg swing", group=GROUP, sides=SIDED, directions=("forward", "left", "right"), amplitudes=AMPLITUDES, counts=(2, 8)
+)
+def leg_swing(c: Cue) -> list[KeyPose]:
     """One leg like a pendulum, forward and back or across."""
     size, beat, sideways = c.size(0.2), c.r(0.35, 0.55), c.step.direction in SIDED
     a, b = ((0.5 * size, 0.2 * size, 0.0), (-0.25, 0.08, 0.1)) if sideways else (
@@ -175,10 +178,10 @@ def leg_swing(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("raise knee", group=GROUP, sides=("left", "right", "both"), amplitudes=SIZES, counts=(1, 8), weight=1.5)
-def raise_knee(c: Cue) -> list[Key]:
+@keyframed("raise knee", group=GROUP, sides=("left", "right", "both"), amplitudes=AMPLITUDES, counts=(1, 8), weight=1.5)
+def raise_knee(c: Cue) -> list[KeyPose]:
     """Lift a knee before the body and set it down; with both, in turn."""
-    high, keys = 0.42 * c.size(0.2), list[Key]()
+    high, keys = 0.42 * c.size(0.2), list[KeyPose]()
     hug = c.chance(0.25)
     for index in range(c.times(1, 3)):
         foot, hand, side = ("off", "lead", 1) if c.both and index % 2 else ("lead", "off", -1)
@@ -191,11 +194,11 @@ def raise_knee(c: Cue) -> list[Key]:
     return [*keys, back(0.4)]
 
 
-@acted("raise leg", group=GROUP, sides=SIDED, directions=("forward", "backward", "left", "right"), counts=(1, 6))
-def raise_leg(c: Cue) -> list[Key]:
+@keyframed("raise leg", group=GROUP, sides=SIDED, directions=("forward", "backward", "left", "right"), counts=(1, 6))
+def raise_leg(c: Cue) -> list[KeyPose]:
     """A straight leg lifted and held; to the side it is the leg of that side."""
     direction = c.step.direction or ("forward", "side", "backward")[int(c.rng.integers(3))]
-    size, keys = c.r(0.7, 1.2), list[Key]()
+    size, keys = c.r(0.7, 1.2), list[KeyPose]()
     place, tip = {
         "forward": ((0.0, 0.28 * size, 0.6 * size), (-0.2, 0, 0)),
         "backward": ((0.0, 0.25 * size, -0.6 * size), (0.4 * size, 0, 0)),
@@ -217,8 +220,8 @@ def _plank(height: float) -> dict[str, ArrayLike]:
     }  # fmt: skip
 
 
-@acted("push-up", group=GROUP, counts=(1, 8), styled=False, weight=2)
-def push_up(c: Cue) -> list[Key]:
+@keyframed("push-up", group=GROUP, counts=(1, 8), styled=False, weight=2)
+def push_up(c: Cue) -> list[KeyPose]:
     """Down to hands and toes, arms bent and stretched, and up to standing."""
     squat = {"root": (0, -0.5, -0.1), "pelvis": (0.9, 0, 0), "spine": (0.5, 0, 0), "reaches": (0.24, 0.04, 0.6)}
     beat, up = c.r(0.45, 0.8), _plank(0.62)
@@ -228,8 +231,8 @@ def push_up(c: Cue) -> list[Key]:
     return [*keys, key(0.6, **squat, feet=(0, 0, 0), lead_toes=0.0, off_toes=0.0), back(0.9)]
 
 
-@acted("plank", group=GROUP, styled=False)
-def plank(c: Cue) -> list[Key]:
+@keyframed("plank", group=GROUP, styled=False)
+def plank(c: Cue) -> list[KeyPose]:
     squat = {"root": (0, -0.5, -0.1), "pelvis": (0.9, 0, 0), "spine": (0.5, 0, 0), "reaches": (0.24, 0.04, 0.6)}
     hold = key(0.6, c.r(2.0, 4.0), **_plank(0.6))
     return [
@@ -240,8 +243,8 @@ def plank(c: Cue) -> list[Key]:
     ]
 
 
-@acted("sit-up", group=GROUP, counts=(1, 8), styled=False, starts="floor", ends="floor", weight=1.5)
-def sit_up(c: Cue) -> list[Key]:
+@keyframed("sit-up", group=GROUP, counts=(1, 8), styled=False, starts="floor", ends="floor", weight=1.5)
+def sit_up(c: Cue) -> list[KeyPose]:
     """On the back with knees drawn up, the trunk rises to the knees and lies down again."""
     beat, kind = c.r(0.6, 1.0), c.chance(0.5)
     arms = {"hands": (-0.1, 0.42, 0.05)} if kind else {"lead": (-0.6, -0.3, 0.3), "off": (-0.6, -0.35, 0.34)}
@@ -256,8 +259,8 @@ def sit_up(c: Cue) -> list[Key]:
     return keys
 
 
-@acted("squats with arms", group=GROUP, counts=(1, 8), weight=1.5)
-def squats_with_arms(c: Cue) -> list[Key]:
+@keyframed("squats with arms", group=GROUP, counts=(1, 8), weight=1.5)
+def squats_with_arms(c: Cue) -> list[KeyPose]:
     """Knee bends with the arms brought forward."""
     beat, deep = c.r(0.55, 0.95), c.r(0.25, 0.48)
     keys = [key(0.3, feet=(0.05, 0, 0))] if c.chance(0.5) else []
@@ -277,8 +280,8 @@ def squats_with_arms(c: Cue) -> list[Key]:
 
 
 def _pose(name: str, keys_of: dict[str, ArrayLike], sides: tuple[str, ...] = SIDED) -> None:
-    @acted(name, group=GROUP, sides=sides)
-    def held(c: Cue) -> list[Key]:
+    @keyframed(name, group=GROUP, sides=sides)
+    def held(c: Cue) -> list[KeyPose]:
         return [key(c.r(0.9, 1.5), c.r(1.5, 3.5), **keys_of), back(c.r(0.9, 1.3))]
 
 
@@ -299,8 +302,8 @@ _pose(
 )  # fmt: skip
 
 
-@acted("jump rope", group=GROUP, counts=(3, 12), weight=1.5)
-def jump_rope(c: Cue) -> list[Key]:
+@keyframed("jump rope", group=GROUP, counts=(3, 12), weight=1.5)
+def jump_rope(c: Cue) -> list[KeyPose]:
     """Small hops while the wrists circle beside the hips."""
     beat, hop = c.r(0.36, 0.52), c.r(0.05, 0.14)
     centre = c.about((0.25, -0.6, 0.3), 0.03)
@@ -313,8 +316,8 @@ def jump_rope(c: Cue) -> list[Key]:
     return [*keys, back(0.5)]
 
 
-@acted("hula hoop", group=GROUP, counts=(3, 10), directions=("clockwise", "counterclockwise"))
-def hula_hoop(c: Cue) -> list[Key]:
+@keyframed("hula hoop", group=GROUP, counts=(3, 10), directions=("clockwise", "counterclockwise"))
+def hula_hoop(c: Cue) -> list[KeyPose]:
     lap, wide = c.r(0.7, 1.1), c.r(0.06, 0.12)
     way = {"clockwise": 1.0, "counterclockwise": -1.0}.get(c.step.direction, 1.0) * (1.0 if c.lead == "right" else -1.0)
     turns = orbit("root", (0, -0.02, 0), (wide, 0, 0), (0, 0, -wide * way), c.times(4, 8, lap), lap)

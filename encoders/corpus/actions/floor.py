@@ -6,11 +6,11 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 
-from encoders.corpus.actions.programs import program
 from encoders.corpus.engine.curves import ANKLE, HIP, Array, Curves, ease
-from encoders.corpus.engine.key_poses import STANDING, perform, pose
+from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import duration
+from encoders.corpus.engine.whole_body_poses import STANDING, perform, pose
 from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 

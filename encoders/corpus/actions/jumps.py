@@ -7,9 +7,21 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import Generator
 
-from encoders.corpus.actions.programs import AMPLITUDES, program
-from encoders.corpus.engine.curves import ANKLE, HIP, LEFT, LEGS, RIGHT, SIDES, STAND, Array, Curves, ease, standing
+from encoders.corpus.engine.curves import (
+    ANKLE,
+    HIP,
+    LEFT,
+    LEGS,
+    RIGHT,
+    SIDE_INDEX,
+    STAND,
+    Array,
+    Curves,
+    ease,
+    standing,
+)
 from encoders.corpus.engine.gait import PAD, Gait, step_along, swing_arms
+from encoders.corpus.engine.program import AMPLITUDES, program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.trajectories import TURN, effort, travel
 from encoders.corpus.scene import ActionStep
@@ -154,7 +166,7 @@ def spin_jump(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> 
 )
 def hop(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Hop on one leg, the other held bent."""
-    on = SIDES[step.side] if step.side else int(rng.integers(2))
+    on = SIDE_INDEX[step.side] if step.side else int(rng.integers(2))
     count = step.count or int(rng.integers(3, 8))
     period = rng.uniform(0.38, 0.6)
     settle = 0.35

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import Generator
 
-from encoders.corpus.actions.programs import AMPLITUDES, Make, program
-from encoders.corpus.engine.curves import LEFT, LEGS, RIGHT, SIDES, Curves, ease
+from encoders.corpus.engine.curves import LEFT, LEGS, RIGHT, SIDE_INDEX, Curves, ease
 from encoders.corpus.engine.gait import PAD, Gait, step_along
+from encoders.corpus.engine.program import AMPLITUDES, ActionFunction, program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.trajectories import AHEAD, CURVED, STRAIGHT, go, seconds, travel
 from encoders.corpus.scene import ActionStep
@@ -18,7 +18,7 @@ from encoders.motion import FPS
 Range = tuple[float, float]
 
 
-def _plain(gait: Gait, speed: Range, cadence: Range) -> Make:
+def _plain(gait: Gait, speed: Range, cadence: Range) -> ActionFunction:
     """A program that follows one gait at a speed and cadence from these ranges.
 
     In whatever manner, who runs is no slower than who walks, and who sprints goes as fast as can be.
@@ -133,7 +133,7 @@ def limp(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curve
 def drag_leg(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Walk with one leg stiff, its foot dragged over the ground."""
     curves = limp(step, replace(manner, stride=manner.stride - 0.15), rng, frames)
-    lame = SIDES[step.side] if step.side else int(rng.integers(2))
+    lame = SIDE_INDEX[step.side] if step.side else int(rng.integers(2))
     low = curves.feet[:, lame, 1]
     curves.feet[:, lame, 1] = np.minimum(low, low.min() + 0.03 + 0.25 * (low - low.min()))
     curves.foot_yaw[:, lame] += (0.4, -0.4)[lame]

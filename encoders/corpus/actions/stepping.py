@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.random import Generator
 
-from encoders.corpus.actions.programs import AMPLITUDES, program
-from encoders.corpus.engine.curves import LEFT, LEGS, RIGHT, SIDES, Array, Curves, ease, frames_of, standing
+from encoders.corpus.engine.curves import LEFT, LEGS, RIGHT, SIDE_INDEX, Array, Curves, ease, frames_of, standing
 from encoders.corpus.engine.inbetweens import through
+from encoders.corpus.engine.program import AMPLITUDES, program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import tempo
 from encoders.corpus.engine.trajectories import STRAIGHT, TURN
@@ -26,7 +26,7 @@ def take_steps(step: ActionStep, manner: Manner, rng: Generator, frames: int) ->
     count = step.count or int(rng.integers(1, 4))
     direction = step.direction or "forward"
     closes = direction in _SIDED
-    first = SIDES[step.side] if step.side else SIDES.get(direction.rpartition("-")[2], int(rng.integers(2)))
+    first = SIDE_INDEX[step.side] if step.side else SIDE_INDEX.get(direction.rpartition("-")[2], int(rng.integers(2)))
     length = {"small": 0.6, "": 1.0, "large": 1.4}[step.amplitude] * rng.uniform(0.3, 0.65) * manner.factor("stride")
     length = min(length * (0.8 if closes or "back" in direction else 1.0), 0.75)
     one = rng.uniform(0.4, 0.85) / (tempo(step, rng) * manner.factor("pace"))
@@ -95,7 +95,7 @@ def _swing_along(curves: Curves, size: float) -> None:
 def slide_foot(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """One foot glides out over the ground and back, the other knee bending or not; again and again."""
     aside = step.direction if step.direction in _SIDED else ""
-    foot = SIDES[step.side or aside] if step.side or aside else int(rng.integers(2))
+    foot = SIDE_INDEX[step.side or aside] if step.side or aside else int(rng.integers(2))
     out = 1.0 if foot == LEFT else -1.0
     direction = step.direction or ("forward", "backward", "left" if foot == LEFT else "right")[int(rng.integers(3))]
     count = step.count or int(rng.integers(1, 4))

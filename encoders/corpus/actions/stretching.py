@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import SIDED, Cue, acted
+from encoders.corpus.engine.keyframed_actions import SIDED, Cue, keyframed
+from encoders.corpus.engine.keyframes import KeyPose, back, key
 
 
-def _thigh(c: Cue) -> list[Key]:
+def _thigh(c: Cue) -> list[KeyPose]:
     """The heel drawn up behind to the seat by the hand."""
     arm: dict[str, ArrayLike] = {"off": (0.75, -0.2, 0.3)} if c.chance(0.5) else {}
     up: dict[str, ArrayLike] = {"lead_foot": (-0.02, c.r(0.45, 0.6), -0.36), "lead_toes": -0.8, "root": (-0.09, 0, 0)}
@@ -18,7 +18,7 @@ def _thigh(c: Cue) -> list[Key]:
     ]
 
 
-def _back_of_leg(c: Cue) -> list[Key]:
+def _back_of_leg(c: Cue) -> list[KeyPose]:
     """The heel put out ahead, toes up, the trunk bent over it and the hands on the thigh or at the toes."""
     far, bent = c.r(0.3, 0.5), c.r(0.5, 1.1)
     hands = (-0.1, -0.8, 0.4) if c.chance(0.5) else (-0.15, -0.9, 0.2)
@@ -32,7 +32,7 @@ def _back_of_leg(c: Cue) -> list[Key]:
     ]
 
 
-def _calf(c: Cue) -> list[Key]:
+def _calf(c: Cue) -> list[KeyPose]:
     """The leg put far behind with the heel down, the other knee bent, hands on hips, on the thigh or against a wall."""
     hands = ((0.3, -0.6, 0.02), (-0.05, -0.55, 0.5), (-0.05, 0.0, 0.85))[int(c.rng.integers(3))]
     far = c.r(0.4, 0.6)
@@ -43,7 +43,7 @@ def _calf(c: Cue) -> list[Key]:
     return [*keys, key(0.6, lead_foot=(0, 0, 0), root=(0, 0, 0), spine=(0, 0, 0))]
 
 
-def _groin(c: Cue) -> list[Key]:
+def _groin(c: Cue) -> list[KeyPose]:
     """Legs wide, the body sunk over the other knee so that this leg is long; hands on the knee or before the chest."""
     wide, deep = c.r(0.35, 0.5), c.r(0.15, 0.35)
     hands = (-0.05, -0.75, 0.35) if c.chance(0.6) else (-0.25, -0.3, 0.4)
@@ -56,7 +56,7 @@ def _groin(c: Cue) -> list[Key]:
     ]
 
 
-def _hip(c: Cue) -> list[Key]:
+def _hip(c: Cue) -> list[KeyPose]:
     """The knee hugged up to the chest with both hands."""
     up = {"lead_foot": (-0.02, c.r(0.42, 0.55), 0.12), "root": (-0.09, 0, 0), "spine": (c.r(0.0, 0.2), 0, 0)}
     return [
@@ -65,11 +65,11 @@ def _hip(c: Cue) -> list[Key]:
     ]
 
 
-@acted("stretch leg", group="exercise", sides=SIDED, counts=(1, 3), weight=1.5)
-def stretch_leg(c: Cue) -> list[Key]:
+@keyframed("stretch leg", group="exercise", sides=SIDED, counts=(1, 3), weight=1.5)
+def stretch_leg(c: Cue) -> list[KeyPose]:
     """One leg stretched in one of the usual ways, held, and again."""
     stretch = (_thigh, _back_of_leg, _calf, _groin, _hip)[int(c.rng.choice(5, p=[0.25, 0.25, 0.2, 0.15, 0.15]))]
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 1)):
         keys += [*stretch(c), back(c.r(0.4, 0.7))]
     return keys

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.random import Generator
 
-from encoders.corpus.actions.programs import program
-from encoders.corpus.engine.curves import ANKLE, HIP, LEFT, LEGS, SIDES, Array, Curves, ease, hold, standing
+from encoders.corpus.engine.curves import ANKLE, HIP, LEFT, LEGS, SIDE_INDEX, Array, Curves, ease, hold, standing
 from encoders.corpus.engine.gait import PAD, Course, Gait, gait_phase, step_along
+from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.trajectories import seconds
 from encoders.corpus.scene import ActionStep
@@ -65,7 +65,7 @@ def pivot(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curv
     """Turn at once on the ball of one foot, the other foot carried around it."""
     side = {"left": 1, "right": -1}.get(step.direction, rng.choice([-1, 1]))
     angle = side * np.deg2rad(rng.uniform(150, 190) if step.direction == "around" else rng.uniform(70, 180))
-    on = SIDES[step.side] if step.side else int(rng.integers(2))
+    on = SIDE_INDEX[step.side] if step.side else int(rng.integers(2))
     frames = frames or int(rng.uniform(0.9, 1.5) / (1.4 if step.speed == "fast" else 1.0) * FPS)
     curves = standing(frames, LEGS)
     when = ease((np.linspace(0, 1, frames) - 0.2) / 0.6)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import Generator
 
-from encoders.corpus.actions.programs import program
 from encoders.corpus.engine.curves import BODY, LEFT, LEGS, RIGHT, Curves, frames_of
 from encoders.corpus.engine.gait import PAD, Course, Gait, gait_phase, step_along
+from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.trajectories import TURN, effort, go, seconds, travel
 from encoders.corpus.scene import ActionStep

@@ -64,7 +64,7 @@ def _named(action: str, step: ActionStep) -> set[str]:
     return {action} | {f"{action}.{name}={value}" for name, value in told}
 
 
-class Untold:
+class Underspecified:
     """Which sentences keep quiet about what anybody would tell: that a motion goes aside, takes both hands, is special.
 
     "A person walks" is true of somebody who walks backwards, but said of somebody who does not, and "a person waves" of
@@ -122,15 +122,17 @@ def _rows(sets: Sequence[Iterable[int]], size: int) -> NDArray[np.float32]:
     return rows
 
 
-def stated_by(meanings: Sequence[Iterable[int]], facts: Sequence[Iterable[int]], size: int) -> NDArray[np.bool_]:
+def entailment_of_indices(
+    meanings: Sequence[Iterable[int]], facts: Sequence[Iterable[int]], size: int
+) -> NDArray[np.bool_]:
     """Whether each meaning (rows) holds in each motion (columns): all its facts are among the motion's."""
     rows, columns = _rows(meanings, size), _rows(facts, size)
     missing = rows @ (1 - columns).T
     return np.asarray((missing == 0) & (rows.sum(axis=1) > 0)[:, None], np.bool_)
 
 
-def hold(meanings: Sequence[Iterable[str]], facts: Sequence[Iterable[str]]) -> NDArray[np.bool_]:
-    """`stated_by` of facts as they are written: boolean (meanings, motions)."""
+def entailment(meanings: Sequence[Iterable[str]], facts: Sequence[Iterable[str]]) -> NDArray[np.bool_]:
+    """`entailment_of_indices` of facts as they are written: boolean (meanings, motions)."""
     index: dict[str, int] = {}
     rows, columns = ([[index.setdefault(f, len(index)) for f in members] for members in s] for s in (meanings, facts))
-    return stated_by(rows, columns, len(index))
+    return entailment_of_indices(rows, columns, len(index))

@@ -1,4 +1,4 @@
-"""Long takes with exact truth: actions made one after the other, or real clips joined end to end."""
+"""Long takes with exact annotations: synthetic actions in sequence, held-out ones, or real clips concatenated."""
 
 from __future__ import annotations
 
@@ -10,135 +10,130 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from encoders.corpus.actions.programs import program_of
+from encoders.corpus.composition.concatenation import concatenate_clips
 from encoders.corpus.composition.facts import facts
 from encoders.corpus.composition.scene_clips import make_clip
-from encoders.corpus.composition.synthetic import settle
-from encoders.corpus.heldout.words import ACTIONS, STYLES, in_the_manner, sentence
-from encoders.corpus.language import describe, random_scene
-from encoders.corpus.scene import ActionStep, Scene
+from encoders.corpus.composition.synthetic_pairs import complete_scene
+from encoders.corpus.heldout.queries import ACTION_QUERIES, STYLE_PHRASES, action_query, with_style
+from encoders.corpus.language.caption_generation import describe
+from encoders.corpus.language.random_scenes import random_scene
+from encoders.corpus.scene import ActionStep, Scene, StepGroup
 from encoders.motion import FPS, Motion
-from encoders.skeleton import INDEX
 
-_BLEND = 6  # frames over which one clip becomes the next
-_UNSEEN_ACTIONS = 0.4  # share of clips
-_ACROSS = [INDEX[name] for name in ("right_hip", "left_hip", "right_shoulder", "left_shoulder")]
-
-
-Span = tuple[float, float]
-Group = tuple[ActionStep, ...]
+_HELD_OUT_ACTIONS = 0.4  # share of the clips of a held-out take; the others have a held-out style
 
 
 @dataclass(frozen=True)
-class Marked:
-    """A sentence and every span (seconds) of the take of which it is true.
+class Annotation:
+    """A sentence and all spans (seconds) of a take that it describes.
 
     Attributes
     ----------
     meaning : frozenset of str
-        The facts it states; it is true of whatever happens that has them all.
-    unseen : bool
-        Whether it names an action that training never shows.
+        The facts that it states; it describes every event with all of them.
+    held_out : bool
+        Whether it names a held-out action.
     """
 
     sentence: str
-    spans: tuple[Span, ...]
+    spans: tuple[tuple[float, float], ...]
     meaning: frozenset[str] = frozenset()
-    unseen: bool = False
+    held_out: bool = False
 
 
 @dataclass(frozen=True)
 class Event:
-    """What happens from when to when (seconds): a sentence for it, and all facts that hold."""
+    """A span (seconds) of a take with its sentence and all its facts."""
 
     sentence: str
-    span: Span
+    span: tuple[float, float]
     facts: frozenset[str]
 
 
 @dataclass(frozen=True)
 class AnnotatedTake:
-    """A take, the sentences asked of it, and what happens in it, in order."""
+    """A take with its annotations, and its events in order of time."""
 
     motion: Motion
-    marked: tuple[Marked, ...]
-    happens: tuple[Event, ...] = ()
+    annotations: tuple[Annotation, ...]
+    events: tuple[Event, ...] = ()
 
-    def spans(self, meaning: frozenset[str]) -> list[Span]:
-        """The spans of this take of which a meaning is true."""
-        return [h.span for h in self.happens if meaning and meaning <= h.facts]
-
-
-#: A sentence, and the facts that it states.
-Said = tuple[str, frozenset[str]]
+    def spans(self, meaning: frozenset[str]) -> list[tuple[float, float]]:
+        """The spans (seconds) of the events with all facts of `meaning`; none for an empty one."""
+        return [event.span for event in self.events if meaning and meaning <= event.facts]
 
 
 def synthetic_take(rng: Generator, *, least: float = 30.0, most: float = 120.0) -> AnnotatedTake:
-    """A made take that ends with the first clip after `least` to `most` seconds: one action after another.
+    """A synthetic take of random actions in sequence; it ends with the first clip past `least` to `most` seconds.
 
-    Each action is described once; the sentence is marked wherever something happens of which it is known to be true.
+    Each action gets one sentence, annotated with every span that it is known to describe.
     """
-    return _acted(rng, rng.uniform(least, most), lambda: settle(random_scene(rng), rng), _described)
+    return _take(rng, rng.uniform(least, most), lambda: complete_scene(random_scene(rng), rng), _describe)
 
 
 def heldout_take(rng: Generator, *, least: float = 30.0, most: float = 120.0) -> AnnotatedTake:
-    """As `synthetic_take`, of what no training clip shows (`encoders.corpus.heldout`).
+    """As `synthetic_take`, of actions and styles that no training clip shows (`encoders.corpus.heldout`).
 
-    Two clips in five are actions held out, in any manner; the others are known actions in manners held out, which half
-    of their sentences name. The joins are held out as well: within a training clip `joining` carries one movement into
-    the next, here whole clips of different performers are blended end to end by `join`, which training never uses.
+    Two clips in five are held-out actions in any style; the others are known actions in held-out styles, which half of
+    their sentences name. The seams are held out as well: inside a training clip `joining` carries one movement into
+    the next; here clips of different performers are blended by `concatenate_clips`.
     """
-    return _acted(rng, rng.uniform(least, most), lambda: _unseen_scene(rng), _described_unseen)
+    return _take(rng, rng.uniform(least, most), lambda: _heldout_scene(rng), _describe_heldout)
 
 
 def joined_take(clips: Sequence[tuple[Motion, str]]) -> AnnotatedTake:
-    """Real clips end to end; a sentence that occurs twice is right at both places."""
+    """Real clips concatenated; a sentence that occurs twice is annotated with both spans."""
     joints = [motion.resample(FPS).joints for motion, _ in clips]
     times = np.cumsum([0, *map(len, joints)]) / FPS
-    happens = [
+    events = [
         Event(sentence, (float(start), float(end)), frozenset({sentence}))
         for (_, sentence), start, end in zip(clips, times[:-1], times[1:], strict=True)
     ]
-    return annotated_take(Motion(join(joints), FPS), happens)
+    return annotated_take(Motion(concatenate_clips(joints), FPS), events)
 
 
-def annotated_take(motion: Motion, happens: Sequence[Event], meanings: Sequence[frozenset[str]] = ()) -> AnnotatedTake:
-    """A take whose sentences are those of what happens; without `meanings` each says all that it is true of."""
-    whole = AnnotatedTake(motion, (), tuple(happens))
-    said = dict(zip((h.sentence for h in happens), meanings or [h.facts for h in happens], strict=True))
-    marked = [
-        Marked(text, tuple(whole.spans(meaning)), meaning, bool(meaning & ACTIONS.keys()))
-        for text, meaning in said.items()
+def annotated_take(motion: Motion, events: Sequence[Event], meanings: Sequence[frozenset[str]] = ()) -> AnnotatedTake:
+    """A take annotated with the sentences of its events; without `meanings` each states all facts of its event."""
+    whole = AnnotatedTake(motion, (), tuple(events))
+    stated = dict(zip((event.sentence for event in events), meanings or [e.facts for e in events], strict=True))
+    annotations = [
+        Annotation(sentence, tuple(whole.spans(meaning)), meaning, bool(meaning & ACTION_QUERIES.keys()))
+        for sentence, meaning in stated.items()
     ]
-    return AnnotatedTake(motion, tuple(marked), whole.happens)
+    return AnnotatedTake(motion, tuple(annotations), whole.events)
 
 
-def _acted(
-    rng: Generator, wanted: float, draw: Callable[[], Scene], described: Callable[[Group, Generator], Said]
+def _take(
+    rng: Generator,
+    seconds: float,
+    draw: Callable[[], Scene],
+    caption: Callable[[StepGroup, Generator], tuple[str, frozenset[str]]],
 ) -> AnnotatedTake:
+    """Clips of drawn scenes up to that length; `caption` gives a step group's sentence and the facts it states."""
     clips: list[NDArray[np.float32]] = []
-    happens: list[Event] = []
+    events: list[Event] = []
     meanings: list[frozenset[str]] = []
     at = 0.0
-    while at < wanted:
+    while at < seconds:
         clip = make_clip(draw(), rng)
         for group, (start, end) in zip(clip.scene.steps, clip.spans, strict=True):
-            text, meaning = described(group, rng)
-            happens.append(Event(text, (at + start, at + end), facts(Scene((group,)))))
+            text, meaning = caption(group, rng)
+            events.append(Event(text, (at + start, at + end), facts(Scene((group,)))))
             meanings.append(meaning)
         clips.append(clip.joints)
         at += len(clip.joints) / clip.fps
-    return annotated_take(Motion(join(clips), FPS), happens, meanings)
+    return annotated_take(Motion(concatenate_clips(clips), FPS), events, meanings)
 
 
-def _described(group: Group, rng: Generator) -> Said:
+def _describe(group: StepGroup, rng: Generator) -> tuple[str, frozenset[str]]:
     caption = describe(Scene((group,)), rng)
     return caption.text, facts(caption.scene)
 
 
-def _unseen_scene(rng: Generator) -> Scene:
-    if rng.random() < _UNSEEN_ACTIONS:
-        return settle(Scene(((ActionStep(str(rng.choice(sorted(ACTIONS)))),),)), rng)
-    scene, style = settle(random_scene(rng), rng), str(rng.choice(sorted(STYLES)))
+def _heldout_scene(rng: Generator) -> Scene:
+    if rng.random() < _HELD_OUT_ACTIONS:
+        return complete_scene(Scene(((ActionStep(str(rng.choice(sorted(ACTION_QUERIES)))),),)), rng)
+    scene, style = complete_scene(random_scene(rng), rng), str(rng.choice(sorted(STYLE_PHRASES)))
     return Scene(tuple((_styled(first, style), *others) for first, *others in scene.steps))
 
 
@@ -146,43 +141,12 @@ def _styled(step: ActionStep, style: str) -> ActionStep:
     return replace(step, style=style if program_of(step.action).styled else "")
 
 
-def _described_unseen(group: Group, rng: Generator) -> Said:
+def _describe_heldout(group: StepGroup, rng: Generator) -> tuple[str, frozenset[str]]:
     first = group[0]
-    if first.action in ACTIONS:
-        return sentence(first.action, rng), frozenset({first.action})
+    if first.action in ACTION_QUERIES:
+        return action_query(first.action, rng), frozenset({first.action})
     plain = tuple(replace(step, style="") for step in group)
-    text, meaning = _described(plain, rng)
+    text, meaning = _describe(plain, rng)
     if first.style and len(group) == 1 and rng.random() < 0.5:
-        return in_the_manner(text, first.style, rng), meaning | {f"{first.action}.style={first.style}"}
+        return with_style(text, first.style, rng), meaning | {f"{first.action}.style={first.style}"}
     return text, meaning
-
-
-def join(clips: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:
-    """Joints (T, 22, 3) of clips one after the other: each begins where and facing as the one before ended.
-
-    As TEACH joins actions (Athanasiou et al., 3DV 2022): place and heading are aligned, then a few frames blended.
-    """
-    whole = [np.asarray(clips[0], np.float32)]
-    for clip in clips[1:]:
-        last = whole[-1][-1]
-        moved = _face(np.asarray(clip, np.float32), _heading(last))
-        moved = moved + np.array([last[0, 0] - moved[0, 0, 0], 0, last[0, 2] - moved[0, 0, 2]], np.float32)
-        frames = min(_BLEND, len(moved))
-        weight = np.linspace(1, 0, frames + 2, dtype=np.float32)[1:-1, None, None]
-        moved[:frames] += weight * (last - moved[0])
-        whole.append(moved)
-    return np.concatenate(whole)
-
-
-def _heading(pose: NDArray[np.float32]) -> float:
-    """Angle about Y of the direction a pose (22, 3) faces."""
-    right_hip, left_hip, right_shoulder, left_shoulder = pose[_ACROSS]
-    across = (left_hip - right_hip) + (left_shoulder - right_shoulder)
-    return float(np.arctan2(-across[2], across[0]))
-
-
-def _face(joints: NDArray[np.float32], heading: float) -> NDArray[np.float32]:
-    """The clip turned about Y so that its first frame has this heading."""
-    turn = heading - _heading(joints[0])
-    c, s = np.cos(turn), np.sin(turn)
-    return joints @ np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]], np.float32)

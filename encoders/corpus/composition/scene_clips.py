@@ -15,9 +15,12 @@ from encoders.corpus.engine.curves import CHANNELS, Array, Curves
 from encoders.corpus.engine.joining import at_rest, chain, overlay, pause, roam
 from encoders.corpus.engine.posing import pose, random_geometry
 from encoders.corpus.engine.stance import Stance, sample_stance, stand
-from encoders.corpus.engine.style import apply_manner, sample_individual, sample_manner
+from encoders.corpus.engine.style import STYLES, apply_manner, sample_individual, sample_manner
+from encoders.corpus.heldout.heldout_styles import HELD_OUT_STYLES
 from encoders.corpus.scene import ActionStep, Scene, SceneClip
 from encoders.motion import FPS
+
+_ALL_STYLES = {**STYLES, **HELD_OUT_STYLES}
 
 
 def act(step: ActionStep, individual: Array, rng: Generator, frames: int = 0, stance: Stance | None = None) -> Curves:
@@ -28,16 +31,10 @@ def act(step: ActionStep, individual: Array, rng: Generator, frames: int = 0, st
     KeyError
         If the action or the style is unknown.
     """
-    manner = sample_manner(step.style, individual, rng)
+    manner = sample_manner(step.style, individual, rng, styles=_ALL_STYLES)
     curves = program_of(step.action).make(step, manner, rng, frames)
     apply_manner(curves, manner, rng)
     return stand(curves, stance, rng) if stance else curves
-
-
-def compatible(*steps: ActionStep) -> bool:
-    """Whether steps can happen at once: no part of the body is needed twice."""
-    parts = [parts_of(step) for step in steps]
-    return sum(map(len, parts)) == len(frozenset().union(*parts))
 
 
 def _act_group(group: Sequence[ActionStep], individual: Array, stance: Stance, rng: Generator) -> Curves:

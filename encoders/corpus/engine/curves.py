@@ -18,10 +18,9 @@ Array = NDArray[np.float64]
 
 STAND = 0.90  #: height of the hips' middle above the ground, standing relaxed
 ANKLE = 0.085  #: height of the ankle above the ground, foot flat
-FOOT = 0.145  #: ankle to ball of the foot
 HIP = 0.095  #: half the distance of the feet, standing relaxed
 LEFT, RIGHT = 0, 1
-SIDES = {"left": LEFT, "right": RIGHT}
+SIDE_INDEX = {"left": LEFT, "right": RIGHT}
 
 LEGS = frozenset({"legs"})
 ARMS = frozenset({"left_arm", "right_arm"})

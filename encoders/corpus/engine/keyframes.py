@@ -39,6 +39,8 @@ from encoders.corpus.engine.inbetweens import (
 from encoders.motion import FPS
 
 REST = HANGING
+#: Channels of a key pose and their values.
+Channels = dict[str, ArrayLike]
 _PAIRS = {
     "hands": ("lead", "off"), "elbows": ("lead_elbow", "off_elbow"), "reaches": ("lead_reach", "off_reach"),
     "feet": ("lead_foot", "off_foot"),
@@ -54,25 +56,25 @@ _TO_LEAD = np.array([1.0, -1.0, -1.0])  # the right side leads: towards it is -X
 
 
 @dataclass(frozen=True)
-class Key:
+class KeyPose:
     """A pose reached `seconds` after the one before and held for `hold`; channels it does not name move on freely."""
 
     seconds: float
     hold: float
-    channels: dict[str, ArrayLike]
+    channels: Channels
 
 
-def key(seconds: float, hold: float = 0.0, /, **channels: ArrayLike) -> Key:
+def key(seconds: float, hold: float = 0.0, /, **channels: ArrayLike) -> KeyPose:
     """A key pose; see the module for the channels."""
-    return Key(seconds, hold, channels)
+    return KeyPose(seconds, hold, channels)
 
 
-def back(seconds: float = 0.6) -> Key:
+def back(seconds: float = 0.6) -> KeyPose:
     """Everything returns to standing relaxed."""
-    return Key(seconds, 0.0, {"all": ()})
+    return KeyPose(seconds, 0.0, {"all": ()})
 
 
-def _expand(keys: Iterable[Key], both: bool) -> list[Key]:
+def _expand(keys: Iterable[KeyPose], both: bool) -> list[KeyPose]:
     """Spell out paired channels, and `hand` and `elbow` by the side."""
     aliases: dict[str, tuple[str, ...]] = {
         **_PAIRS,
@@ -80,13 +82,14 @@ def _expand(keys: Iterable[Key], both: bool) -> list[Key]:
         "elbow": _PAIRS["elbows"] if both else ("lead_elbow",),
     }
     return [
-        Key(k.seconds, k.hold, {name: v for c, v in k.channels.items() for name in aliases.get(c, (c,))}) for k in keys
+        KeyPose(k.seconds, k.hold, {name: v for c, v in k.channels.items() for name in aliases.get(c, (c,))})
+        for k in keys
     ]
 
 
 def _timed(
-    keys: Sequence[Key], tempo: float, rng: Generator, frames: int
-) -> tuple[list[tuple[float, float, dict[str, ArrayLike]]], float]:
+    keys: Sequence[KeyPose], tempo: float, rng: Generator, frames: int
+) -> tuple[list[tuple[float, float, Channels]], float]:
     """(arrival, departure, channels) of each key in seconds, with human timing, and the total."""
     moves = np.array([k.seconds for k in keys]) * tempo * np.exp(rng.normal(0.0, 0.08, len(keys)))
     holds = np.array([k.hold for k in keys]) * np.exp(rng.normal(0.0, 0.25, len(keys)))
@@ -103,7 +106,7 @@ def _timed(
     ], float(leave[-1])
 
 
-def _tracks(timed: Sequence[tuple[float, float, dict[str, ArrayLike]]]) -> dict[str, tuple[Array, Array]]:
+def _tracks(timed: Sequence[tuple[float, float, Channels]]) -> dict[str, tuple[Array, Array]]:
     """Key times and values of each channel that any key names, beginning at the neutral pose."""
     named = {name for _, _, channels in timed for name in channels} - {"all"}
     named |= {{"lead_reach": "lead", "off_reach": "off"}.get(name, name) for name in named}
@@ -149,7 +152,7 @@ def _return(name: str, last: tuple[float, Array], begin: float, end: float, valu
 
 
 def play(
-    keys: Sequence[Key],
+    keys: Sequence[KeyPose],
     rng: Generator,
     *,
     lead: str = "right",
@@ -236,7 +239,7 @@ def _move_hand(
     name: str,
     tracks: dict[str, tuple[Array, Array]],
     now: Array,
-    timed: Sequence[tuple[float, float, dict[str, ArrayLike]]],
+    timed: Sequence[tuple[float, float, Channels]],
     rng: Generator,
     reach: float | None,
 ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -9,8 +10,7 @@ from numpy.random import Generator
 
 from encoders.corpus.engine.arm_carriage import carry_idle_hands, sample_carriage
 from encoders.corpus.engine.curves import Array, Curves
-from encoders.corpus.engine.style_variants import OTHER_WAYS
-from encoders.corpus.heldout.styles import STYLES as UNSEEN_STYLES
+from encoders.corpus.engine.style_variants import STYLE_VARIANTS
 from encoders.motion import FPS
 
 
@@ -122,12 +122,12 @@ STYLES: dict[str, dict[str, float]] = {
 }  # fmt: skip
 
 
-def _row(changes: dict[str, float]) -> Array:
+def _row(changes: Mapping[str, float]) -> Array:
     return np.array([changes.get(field, 0.0) for field in _FIELDS])
 
 
 _STYLE_ROWS = np.stack([_row(style) for style in STYLES.values()])
-_OTHER_ROWS = {name: np.stack([_row(way) for way in ways]) for name, ways in OTHER_WAYS.items()}
+_OTHER_ROWS = {name: np.stack([_row(way) for way in ways]) for name, ways in STYLE_VARIANTS.items()}
 #: How performers differ by themselves, standard deviation by field.
 _INDIVIDUAL = Manner(
     pace=0.12, stride=0.12, swing=0.4, sway=0.35, bounce=0.25, twist=0.35, width=0.3, reach=0.15, bend=0.09, tilt=0.07,
@@ -147,8 +147,12 @@ def sample_individual(rng: Generator) -> Array:
     return np.asarray(row + strength @ _STYLE_ROWS[rng.integers(0, len(STYLES), 2)])
 
 
-def sample_manner(style: str, individual: Array, rng: Generator) -> Manner:
-    """Manner of a performer in a style ("" for none; one held out too), which hides much of what is individual.
+def sample_manner(
+    style: str, individual: Array, rng: Generator, *, styles: Mapping[str, Mapping[str, float]] = STYLES
+) -> Manner:
+    """Manner of a performer in a style ("" for none), which hides much of the individual manner.
+
+    `styles` gives each known style's body changes at full strength.
 
     Raises
     ------
@@ -157,7 +161,7 @@ def sample_manner(style: str, individual: Array, rng: Generator) -> Manner:
     """
     row = individual
     if style:
-        own = _acted(style, rng)
+        own = _sample_style(style, styles, rng)
         # Not every performer shows a style by all of its means.
         means = np.exp(rng.normal(0.0, 0.3, len(_FIELDS))) * np.where(rng.random(len(_FIELDS)) < 0.12, 0.25, 1.0)
         row = 0.5 * individual + own * _strength(rng) * means
@@ -176,9 +180,9 @@ for _field, _low, _high in (
     _LEAST[_FIELDS.index(_field)], _MOST[_FIELDS.index(_field)] = _low, _high
 
 
-def _acted(style: str, rng: Generator) -> Array:
-    """One of the ways to act a style, or two of them mixed."""
-    own = _row(STYLES.get(style) or UNSEEN_STYLES[style])
+def _sample_style(style: str, styles: Mapping[str, Mapping[str, float]], rng: Generator) -> Array:
+    """The usual variant of a style, or a mix of it with another variant."""
+    own = _row(styles[style])
     others = _OTHER_ROWS.get(style)
     if others is None or rng.random() < 0.4:
         return own

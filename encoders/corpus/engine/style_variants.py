@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 #: Ways to act each style, of which a performer chooses one or mixes it in.
-OTHER_WAYS: dict[str, tuple[dict[str, float], ...]] = {
+STYLE_VARIANTS: dict[str, tuple[dict[str, float], ...]] = {
     "tired": (
         {"pace": -0.55, "stride": -0.45, "swing": -1.0, "bend": 0.75, "nod": 0.4, "tilt": 0.12, "crouch": 0.07,
          "lift": -0.06, "ahead": 0.12, "wander": 0.06, "sway": 0.5, "rock": 0.06, "reach": -0.5, "width": 0.3},

@@ -1,5 +1,5 @@
-"""Actions, manners and words kept out of training, so that figures can say what the model makes of the unknown.
+"""Held-out actions, styles and queries: never trained on, so that evaluation can measure generalisation.
 
-Nothing here is drawn by `random_scene`, read by `parse` or found among `programs.programs()`, and no phrase of the
-lexicon names these actions; only takes to measure on are made of them.
+Nothing here is sampled by `random_scene`, parsed by `parse` or among `programs.programs()`, and no phrase of the
+lexicon names these actions.
 """

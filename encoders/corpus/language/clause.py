@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from encoders.corpus.language.choice import Chance, pick, pick_early
 from encoders.corpus.language.lexicon import FIELDS, LIMBS, Phrase, entry_of, modifier, phrases_for
 from encoders.corpus.language.subjects import Subject
+from encoders.corpus.language.weighted_choice import RandomSource, pick, pick_early
 from encoders.corpus.scene import ActionStep
 from encoders.english import indefinite, inflect, number_word, times
 
@@ -66,7 +66,7 @@ def mark_verbs(text: str) -> str:
     return text if adverb or text.startswith("~") else "~" + text
 
 
-def _limb(name: str, side: str, rng: Chance) -> str:
+def _limb(name: str, side: str, rng: RandomSource) -> str:
     plural = _PLURALS.get(name, name + "s")
     if side == "both":
         return pick(rng, (f"both {plural}", f"{{p}} {plural}", f"both {{p}} {plural}", f"both {plural}"))
@@ -75,7 +75,7 @@ def _limb(name: str, side: str, rng: Chance) -> str:
     return pick(rng, (f"{indefinite(name)}", f"one {name}", f"{{p}} {name}", f"{{p}} {name}"))
 
 
-def _counted(noun: str, count: int, rng: Chance) -> str:
+def _counted(noun: str, count: int, rng: RandomSource) -> str:
     if count == 1:
         return pick(rng, (indefinite(noun), f"one {noun}", f"a single {noun}"))
     plural = noun + ("es" if noun.endswith(("ch", "sh", "s", "x")) else "s")
@@ -84,7 +84,7 @@ def _counted(noun: str, count: int, rng: Chance) -> str:
     return pick(rng, (f"a few {plural}", f"some {plural}", f"several {plural}"))
 
 
-def fill(text: str, step: ActionStep, subject: Subject, rng: Chance) -> str:
+def fill(text: str, step: ActionStep, subject: Subject, rng: RandomSource) -> str:
     """`text` with every slot filled from the step and the subject."""
 
     def value(match: re.Match[str]) -> str:
@@ -117,7 +117,7 @@ def fill(text: str, step: ActionStep, subject: Subject, rng: Chance) -> str:
     return " ".join(text.split())
 
 
-def _side_words(step: ActionStep, limb: str, rng: Chance) -> str:
+def _side_words(step: ActionStep, limb: str, rng: RandomSource) -> str:
     if limb == "way":
         return pick_early(rng, _WAYS).replace("{side}", step.side)
     plural = _PLURALS.get(limb, limb + "s")
@@ -126,7 +126,7 @@ def _side_words(step: ActionStep, limb: str, rng: Chance) -> str:
     return pick_early(rng, _SIDE_PHRASES).replace("{side}", step.side).replace("{limb}", limb)
 
 
-def _particulars(step: ActionStep, unsaid: set[str], limb: str, rng: Chance) -> tuple[str, list[str]]:
+def _particulars(step: ActionStep, unsaid: set[str], limb: str, rng: RandomSource) -> tuple[str, list[str]]:
     """Words for the fields that are set and not yet said: an adverb before the verb, and what follows it."""
     adverb, after = "", []
     if "direction" in unsaid:
@@ -147,7 +147,7 @@ def _particulars(step: ActionStep, unsaid: set[str], limb: str, rng: Chance) -> 
     return adverb, after
 
 
-def choose_phrase(step: ActionStep, kind: str, rng: Chance) -> Phrase | None:
+def choose_phrase(step: ActionStep, kind: str, rng: RandomSource) -> Phrase | None:
     """A phrase of a kind that holds for the step; special cases and common words more often."""
     groups = phrases_for(step, kind)
     if not groups:
@@ -159,7 +159,9 @@ def choose_phrase(step: ActionStep, kind: str, rng: Chance) -> Phrase | None:
     return pick_early(rng, chosen)
 
 
-def make_clause(step: ActionStep, subject: Subject, rng: Chance, *, without: frozenset[str] = frozenset()) -> Clause:
+def make_clause(
+    step: ActionStep, subject: Subject, rng: RandomSource, *, without: frozenset[str] = frozenset()
+) -> Clause:
     """The step as a verb phrase; fields in `without` are said elsewhere."""
     phrase = choose_phrase(step, "verbs", rng)
     if phrase is None:

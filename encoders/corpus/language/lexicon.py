@@ -31,7 +31,7 @@ from typing import Any
 
 from encoders.corpus.scene import ActionStep
 
-FOLDER = Path(__file__).parent / "phrases"
+PHRASES = Path(__file__).parent / "phrases"
 LIMBS = ("hand", "arm", "fist", "elbow", "shoulder", "foot", "leg", "knee", "hip", "heel", "wrist", "palm", "fingers")
 _SLOT = re.compile(r"\{(\w+)(?::([^}]+))?\}")
 #: Words that imply a value of a field: contrary steps cannot use them, steps that have the value need no more words.
@@ -143,7 +143,7 @@ def _case(when: Mapping[str, Any], body: Mapping[str, Any]) -> Case:
 def entries() -> Mapping[str, Entry]:
     """Action name -> its entry, from every file of actions."""
     found: dict[str, Entry] = {}
-    for path in sorted(FOLDER.glob("actions_*.json")):
+    for path in sorted(PHRASES.glob("actions_*.json")):
         for action, body in json.loads(path.read_text(encoding="utf-8")).items():
             if action in found:
                 raise ValueError(f"phrases: {action} is described twice, again in {path.name}")
@@ -166,7 +166,7 @@ def entry_of(action: str) -> Entry | None:
 def modifiers() -> Mapping[str, Mapping[str, Mapping[str, list[str]]]]:
     """Field -> value -> place ("adverb", "after", "adjective") -> ways to say it."""
     loaded: dict[str, dict[str, dict[str, list[str]]]] = json.loads(
-        (FOLDER / "modifiers.json").read_text(encoding="utf-8")
+        (PHRASES / "modifiers.json").read_text(encoding="utf-8")
     )
     return loaded
 

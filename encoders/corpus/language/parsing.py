@@ -10,10 +10,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field, replace
 
-from encoders.corpus.actions.programs import parts_of, programs
-from encoders.corpus.language.normal import drop_auxiliaries, drop_subject, normalise
-from encoders.corpus.language.particulars import take_particulars
-from encoders.corpus.language.verbs import Context, is_verb, lemmas, means_something, step_of
+from encoders.corpus.actions.programs import compatible, programs
+from encoders.corpus.language.attributes import extract_attributes
+from encoders.corpus.language.normalisation import drop_auxiliaries, drop_subject, normalise
+from encoders.corpus.language.verbs import ClauseContext, is_verb, lemmas, means_something, step_of
 from encoders.corpus.scene import ActionStep, Scene
 
 _JOINS = re.compile(
@@ -144,18 +144,17 @@ class _Story:
         self.lemma = ""
 
     @property
-    def context(self) -> Context:
+    def context(self) -> ClauseContext:
         if not self.groups:
-            return Context()
+            return ClauseContext()
         last = self.groups[-1][0]
         turned = any(step.action == "turn" and step.direction in ("around", "clockwise", "counterclockwise", "")
                      for group in self.groups[-2:] for step in group)  # fmt: skip
-        return Context(programs()[last.action].ends, last.action, turned)
+        return ClauseContext(programs()[last.action].ends, last.action, turned)
 
     def beside(self, step: ActionStep) -> bool:
         """Whether a step can happen at the same time as the last ones: no part of the body is needed twice."""
-        parts = [parts_of(other) for other in (*(self.groups[-1] if self.groups else ()), step)]
-        return bool(self.groups) and sum(map(len, parts)) == len(frozenset().union(*parts))
+        return bool(self.groups) and compatible(*self.groups[-1], step)
 
     @property
     def goes(self) -> bool:
@@ -230,11 +229,11 @@ def read(sentence: str) -> Reading:
                 continue
         if (not lemma or lemma == "back") and story.lemma and clause.join in _REPEATABLE:
             again = re.sub(r"^(?:then |and )?back (?=to the)", "", clause.words)
-            found = take_particulars(again)  # "walks forward, then backward"
+            found = extract_attributes(again)  # "walks forward, then backward"
             stays = story.lemma == "move" and not story.goes  # "moves the arm up, then to the right"
             if ((not found.rest and found.fields) or found.rest in _LIMB_ALONE) and not stays:
                 lemma, rest = story.lemma, again
-        found = take_particulars(rest)
+        found = extract_attributes(rest)
         if lemma or verb not in _NO_VERB:
             reading.verbs.append((lemma or verb, bool(lemma) and means_something(lemma, found)))
         denied = bool(_DENIED.search(clause.words)) and not re.search(
@@ -276,7 +275,7 @@ def parse(sentence: str, *, strict: bool = True) -> Scene | None:
     story = _Story()
     for clause in _in_order(_split(drop_subject(normalise(sentence)))) or ():
         lemma, _, rest = _verb_and_rest(clause.words)
-        step = step_of(lemma, clause.words, take_particulars(rest), story.context) if lemma else None
+        step = step_of(lemma, clause.words, extract_attributes(rest), story.context) if lemma else None
         if step is not None:
             story.add(step, clause.join)
     return Scene(tuple(story.groups)) if story.groups else None

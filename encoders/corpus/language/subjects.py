@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from encoders.corpus.language.choice import Chance, pick, pick_weighted
+from encoders.corpus.language.weighted_choice import RandomSource, pick, pick_weighted
 from encoders.english import indefinite
 
 
@@ -88,13 +88,13 @@ _SUBJECTS: tuple[tuple[str, tuple[str, ...], float], ...] = (
 _WEIGHTS = tuple(weight for _, _, weight in _SUBJECTS)
 
 
-def draw_subject(rng: Chance) -> Subject:
+def draw_subject(rng: RandomSource) -> Subject:
     """A subject as people choose them, "a person" half of the time."""
     text, genders, _ = pick_weighted(rng, _SUBJECTS, _WEIGHTS)
     return Subject(text, pick(rng, genders), plural=text == "they")
 
 
-def nobody(rng: Chance) -> Subject:
+def nobody(rng: RandomSource) -> Subject:
     """No subject, with a possessive for what is left: "raising their arm", "raising the arm"."""
     return Subject("", pick(rng, ("they", "they", "he", "the", "the")))
 

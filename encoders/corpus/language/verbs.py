@@ -11,9 +11,10 @@ import re
 from dataclasses import dataclass
 from functools import cache
 
-from encoders.corpus.actions.programs import Program, programs
-from encoders.corpus.language.lexicon import FOLDER, entry_of
-from encoders.corpus.language.particulars import Particulars
+from encoders.corpus.actions.programs import programs
+from encoders.corpus.engine.program import Program
+from encoders.corpus.language.attributes import ClauseAttributes
+from encoders.corpus.language.lexicon import PHRASES, entry_of
 from encoders.corpus.scene import ActionStep
 from encoders.english import NUMBER_VALUES, gerund, past, third_person
 
@@ -36,7 +37,7 @@ _WITH_NOUNS = frozenset({"pick up", "put down", "pour", "drink"})  # what any no
 @cache
 def rules() -> dict[str, tuple[tuple[re.Pattern[str], str | None, dict[str, str]], ...]]:
     """Lemma -> its rules in order."""
-    loaded = json.loads((FOLDER / "verbs.json").read_text(encoding="utf-8"))
+    loaded = json.loads((PHRASES / "verbs.json").read_text(encoding="utf-8"))
     return {
         lemma: tuple((re.compile(rule[0]), rule[1], rule[2] if len(rule) > 2 else {}) for rule in entries)
         for lemma, entries in loaded.items()
@@ -60,7 +61,7 @@ def is_verb(word: str) -> bool:
 
 
 @dataclass(frozen=True)
-class Context:
+class ClauseContext:
     """What came before a clause: the posture it begins in and the action before it ("" at the start)."""
 
     posture: str = ""
@@ -68,7 +69,7 @@ class Context:
     turned: bool = False
 
 
-def _needs_met(need: str, clause: str, found: Particulars, context: Context) -> bool:
+def _needs_met(need: str, clause: str, found: ClauseAttributes, context: ClauseContext) -> bool:
     sides = [side for _, side in found.limbs]
     one = any(side in ("left", "right") for side in sides) or " one " in f" {clause} "
     return {
@@ -95,7 +96,7 @@ def _needs_met(need: str, clause: str, found: Particulars, context: Context) -> 
     }.get(need, True)
 
 
-def _count(found: Particulars, program: Program) -> int | None:
+def _count(found: ClauseAttributes, program: Program) -> int | None:
     """The count of the step, 0 where none was named, None where the program cannot do it."""
     named = int(found.fields.get("count", 0))
     if found.several and not named:
@@ -107,7 +108,7 @@ def _count(found: Particulars, program: Program) -> int | None:
     return 0 if named == 1 and not program.counts else None
 
 
-def _direction(found: Particulars, program: Program) -> str | None:
+def _direction(found: ClauseAttributes, program: Program) -> str | None:
     direction = found.fields.get("direction", "")
     if not direction or direction in program.directions:
         return direction
@@ -118,7 +119,7 @@ def _direction(found: Particulars, program: Program) -> str | None:
     return "" if direction == "in place" and program.group != "locomotion" else None
 
 
-def _side(found: Particulars, program: Program) -> str | None:
+def _side(found: ClauseAttributes, program: Program) -> str | None:
     """The side of the limb that acts; None where the program acts with another limb or not with that side."""
     limb, side = next(((limb, side) for limb, side in found.limbs if side), ("", ""))
     if not side or (side == "both" and not program.sides):
@@ -128,7 +129,7 @@ def _side(found: Particulars, program: Program) -> str | None:
     return side if side in program.sides and by_leg == (limb in _LEG) else None
 
 
-def _legal(action: str, fields: dict[str, str], found: Particulars) -> ActionStep | None:
+def _legal(action: str, fields: dict[str, str], found: ClauseAttributes) -> ActionStep | None:
     """A step of this action with the clause's particulars; None where the program does not honour one of them."""
     program = programs().get(action)
     if program is None:
@@ -181,7 +182,7 @@ def _runs_on(rest: str) -> bool:
     return " and " not in rest and any(is_verb(word) and lemmas()[word] != word for word in rest.split())
 
 
-def _pronoun_is_limb(action: str, clause: str, context: Context) -> bool:
+def _pronoun_is_limb(action: str, clause: str, context: ClauseContext) -> bool:
     """Whether what is lifted, held or put down is only "it" or "them", and no thing was in the hands before."""
     if action not in ("lift", "put down", "carry", "pull") or not re.search(r"\b(?:it|them)\b", clause):
         return False
@@ -189,7 +190,7 @@ def _pronoun_is_limb(action: str, clause: str, context: Context) -> bool:
     return before is None or before.group not in ("object", "sport")
 
 
-def _take_number(lemma: str, found: Particulars) -> None:
+def _take_number(lemma: str, found: ClauseAttributes) -> None:
     """The number out of "does three kicks", as the count."""
     number, _, rest = found.rest.partition(" ")
     value = NUMBER_VALUES.get(number, int(number) if number.isdecimal() else 0)
@@ -197,7 +198,7 @@ def _take_number(lemma: str, found: Particulars) -> None:
         found.fields["count"], found.rest = str(value), rest
 
 
-def step_of(lemma: str, clause: str, found: Particulars, context: Context) -> ActionStep | None:
+def step_of(lemma: str, clause: str, found: ClauseAttributes, context: ClauseContext) -> ActionStep | None:
     """The step that a verb and its particulars name; None where no rule fits or its program cannot do it."""
     _take_number(lemma, found)
     plain, likened = _without_likeness(found.rest) if lemma not in ("look", "appear", "seem") else (found.rest, False)
@@ -219,7 +220,7 @@ def step_of(lemma: str, clause: str, found: Particulars, context: Context) -> Ac
     return None
 
 
-def means_something(lemma: str, found: Particulars) -> bool:
+def means_something(lemma: str, found: ClauseAttributes) -> bool:
     """Whether some rule of the verb reads these words, though perhaps not every particular."""
     if not rules().get(lemma):
         return False

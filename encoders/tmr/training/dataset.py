@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from encoders.corpus.composition.augmentation import recombined
+from encoders.corpus.composition.caption_augmentation import augment_captions
+from encoders.corpus.composition.captioned_motion import CaptionedTake, real_clips
+from encoders.corpus.composition.compositional_augmentation import augmented_clips
 from encoders.corpus.composition.facts import facts
-from encoders.corpus.composition.real import CaptionedTake, real_clips
-from encoders.corpus.composition.real_captions import retell
 from encoders.corpus.composition.seeds import TRAINING
-from encoders.corpus.composition.synthetic import synthetic_clips
-from encoders.corpus.language import HeldOut
+from encoders.corpus.composition.synthetic_pairs import synthetic_clips
+from encoders.corpus.language.held_out_sentences import HeldOutSentences
 from encoders.corpus.language.unrelated import unrelated_sentence
 from encoders.corpus.scene import Scene
 from encoders.features.registry import FEATURE_KINDS, FeatureKind
@@ -28,14 +28,20 @@ SHARD = 2500
 
 
 def synthetic_store(
-    path: Path, seed: int, count: int, kind: str, sentences: Sequence[str], held_out: HeldOut, gaits: float = 0.0
+    path: Path,
+    seed: int,
+    count: int,
+    kind: str,
+    sentences: Sequence[str],
+    held_out: HeldOutSentences,
+    gaits: float = 0.0,
 ) -> PairStore:
     """`count` made clips, from `path` if they are there, else made and kept there; `gaits`: share that just go."""
     if not path.exists():
         clips = synthetic_clips(
             seed, count, FEATURE_KINDS[kind], sentences=sentences, gait_share=gaits, held_out=held_out
         )
-        PairStore(Pair(m.features, m.captions, m.meanings, facts(m.scene), m.swapped) for m in clips).save(path)
+        PairStore(Pair(m.features, m.captions, m.meanings, facts(m.scene), m.hard_negatives) for m in clips).save(path)
     return PairStore.load(path)
 
 
@@ -44,7 +50,7 @@ def synthetic_stores(
     count: int,
     kind: str,
     sentences: Sequence[str],
-    held_out: HeldOut,
+    held_out: HeldOutSentences,
     *,
     gaits: float = 0.0,
     seed: int = TRAINING,
@@ -66,19 +72,21 @@ def synthetic_stores(
     return PairStore.joined([PairStore.load(path) for path in paths])
 
 
-def _make_shard(path: Path, seed: int, kind: str, sentences: Sequence[str], held_out: HeldOut, gaits: float) -> None:
+def _make_shard(
+    path: Path, seed: int, kind: str, sentences: Sequence[str], held_out: HeldOutSentences, gaits: float
+) -> None:
     synthetic_store(path, seed, SHARD, kind, sentences, held_out, gaits)
 
 
 def real_store(
-    takes: Iterable[CaptionedTake], kind: FeatureKind, *, varied: bool, held_out: HeldOut, recombine: int = 0
+    takes: Iterable[CaptionedTake], kind: FeatureKind, *, varied: bool, held_out: HeldOutSentences, recombine: int = 0
 ) -> PairStore:
     """Pairs of captioned takes, and so many new ones put together from their pieces."""
     takes = list(takes)
     own = ((Pair(x, captions), None) for take in takes for x, captions in real_clips(take, kind, varied=varied))
     new = (
-        (Pair(kind.compute(x.motion), x.captions, swapped=x.swapped), x.scene)
-        for x in recombined(takes, recombine, np.random.default_rng(TRAINING))
+        (Pair(kind.compute(x.motion), x.captions, swapped=x.hard_negatives), x.scene)
+        for x in augmented_clips(takes, recombine, np.random.default_rng(TRAINING))
     )
     rng = np.random.default_rng(TRAINING)
     allowed = ((kept, scene) for pair, scene in chain(own, new) if (kept := _without(pair, held_out)).captions)
@@ -87,14 +95,14 @@ def real_store(
 
 def _retold(pair: Pair, scene: Scene | None, rng: np.random.Generator) -> Pair:
     """The pair with what its captions say as facts, and in other words, too, where one is understood."""
-    retold = retell(pair.captions, rng, scene=scene)
+    retold = augment_captions(pair.captions, rng, scene=scene)
     if retold is None:
         return pair
-    twins = (*(pair.swapped or ("",) * len(pair.captions)), *retold.swapped)
+    twins = (*(pair.swapped or ("",) * len(pair.captions)), *retold.hard_negatives)
     return Pair(pair.features, (*pair.captions, *retold.captions), retold.meanings, retold.facts, twins)
 
 
-def _without(pair: Pair, held_out: HeldOut) -> Pair:
+def _without(pair: Pair, held_out: HeldOutSentences) -> Pair:
     """The pair without the captions that are held out, and without their false twins."""
     kept = [i for i, caption in enumerate(pair.captions) if not held_out(caption)]
     swapped = tuple("" if held_out(pair.swapped[i]) else pair.swapped[i] for i in kept) if pair.swapped else ()

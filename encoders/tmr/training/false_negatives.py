@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.corpus.composition.facts import Untold, stated_by
+from encoders.corpus.composition.facts import Underspecified, entailment_of_indices
 from encoders.tmr.text.token_features import TokenTable
 from encoders.tmr.training.pairs import PairStore, sides_conflict
 from encoders.tmr.training.recipe import Recipe
@@ -24,7 +24,7 @@ class FalseNegativeMask:
         self.made, self.tokens, self.recipe = made, tokens, recipe
         vocabulary = list(dict.fromkeys([*made.vocabulary, *(real.vocabulary if real else ())]))
         index = {fact: i for i, fact in enumerate(vocabulary)}
-        self.size, self.untold = len(vocabulary), Untold(vocabulary)
+        self.size, self.untold = len(vocabulary), Underspecified(vocabulary)
         self.stated = {id(store): _meanings(store, index) for store in (made, real) if store}
         self.facts = {id(store): _facts(store, index) for store in (made, real) if store}
         self.shown = {**self.facts, **({id(real): _possible(self.facts[id(real)], vocabulary)} if real else {})}
@@ -45,7 +45,7 @@ class FalseNegativeMask:
         if len(rows):
             known = [(id(picks[r][0]), picks[r][1], chosen[r]) for r in rows]
             meanings = [self.stated[store][i][c] for store, i, c in known]
-            true = stated_by(meanings, [self.shown[store][i] for store, i, _ in known], self.size)
+            true = entailment_of_indices(meanings, [self.shown[store][i] for store, i, _ in known], self.size)
             if self.recipe.typical:
                 true &= ~self.untold(meanings, [self.facts[store][i] for store, i, _ in known])
             ignore[np.ix_(rows, rows)] = true

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from encoders.corpus.composition.facts import stated_by
+from encoders.corpus.composition.facts import entailment_of_indices
 from encoders.metrics import ranks
 from encoders.tmr.model.network import TMR
 from encoders.tmr.model.normaliser import Normaliser
@@ -42,7 +42,7 @@ class Validation:
         first = [self.texts[store.texts[captions[0]]] for captions in store.captions]
         similarity = embed_texts(model, self.tokens, first) @ motions.T
         meanings = [m[0] for m in store.meanings if m is not None]
-        right = stated_by(meanings, [f or [] for f in store.facts], len(store.vocabulary))
+        right = entailment_of_indices(meanings, [f or [] for f in store.facts], len(store.vocabulary))
         np.fill_diagonal(right, True)
         rank = ranks(similarity, right)
         strict = ranks(similarity)

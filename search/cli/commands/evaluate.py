@@ -123,7 +123,7 @@ def _described(folder: Path, captions: Path, split: str, bundle: Encoder, as_jso
 
 def _corpus(count: int, bundle: Encoder) -> dict[str, dict[str, float]]:
     from encoders.corpus.composition.seeds import TEST
-    from encoders.corpus.composition.synthetic import synthetic_clips
+    from encoders.corpus.composition.synthetic_pairs import synthetic_clips
     from encoders.features.registry import FEATURE_KINDS
     from search.evaluate.corpus_retrieval import evaluate_corpus
 
@@ -172,7 +172,7 @@ def _every_tenth(takes: int) -> None:
 
 def _nonsense(count: int, bundle: Encoder) -> dict[str, float]:
     from encoders.corpus.composition.seeds import TEST
-    from encoders.corpus.composition.synthetic import synthetic_clips
+    from encoders.corpus.composition.synthetic_pairs import synthetic_clips
     from encoders.features.registry import FEATURE_KINDS
     from search.evaluate.out_of_domain import evaluate_nonsense
 

@@ -17,7 +17,7 @@ from search.cli import options
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from encoders.corpus.language import HeldOut
+    from encoders.corpus.language.held_out_sentences import HeldOutSentences
     from encoders.features.registry import FeatureKind
     from encoders.tmr.model.network import TMR
     from encoders.tmr.model.normaliser import Normaliser
@@ -74,8 +74,8 @@ def train(
     """
     need_extra()
     from encoders.corpus.composition.seeds import RUNS_APART, TRAINING, VALIDATION
-    from encoders.corpus.heldout.words import wordings
-    from encoders.corpus.language import HeldOut
+    from encoders.corpus.heldout.queries import paraphrase_queries
+    from encoders.corpus.language.held_out_sentences import HeldOutSentences
     from encoders.features.registry import FEATURE_KINDS
     from encoders.tmr.text.language_model import LanguageModel
     from encoders.tmr.training.dataset import synthetic_store, synthetic_stores, unrelated_sentences
@@ -87,7 +87,7 @@ def train(
     kind = FEATURE_KINDS["body"]
     start, normaliser = begin(origins, chosen) if origins else (None, None)
     language = LanguageModel.load()
-    banned = HeldOut(chain(*wordings().values(), *(_sentences(path) for path in held_out)))
+    banned = HeldOutSentences(chain(*paraphrase_queries().values(), *(_sentences(path) for path in held_out)))
     lines = [text for text in _sentences(sentences) if not banned(text)] if sentences else []
     people, asked = real_stores(real, captions, kind, banned) if real and captions else (None, None)
     seed = TRAINING + RUNS_APART * chosen.seed
@@ -155,12 +155,14 @@ def read_recipe(path: Path | None, steps: int | None) -> Recipe:
         raise click.UsageError(f"{path}: no recipe ({error!r}); see docs/training.md") from None
 
 
-def real_stores(folder: Path, captions: Path, kind: FeatureKind, banned: HeldOut) -> tuple[PairStore, PairStore | None]:
+def real_stores(
+    folder: Path, captions: Path, kind: FeatureKind, banned: HeldOutSentences
+) -> tuple[PairStore, PairStore | None]:
     """Real clips to train on, and those to validate on, of which none may be.
 
     Only what is trained on goes without the sentences held out: validation asks with them.
     """
-    from encoders.corpus.language import HeldOut
+    from encoders.corpus.language.held_out_sentences import HeldOutSentences
     from encoders.tmr.training.dataset import real_store
     from indexer.datasets.captioned_takes import captioned_takes
 
@@ -168,7 +170,7 @@ def real_stores(folder: Path, captions: Path, kind: FeatureKind, banned: HeldOut
     training = real_store(takes, kind, varied=True, held_out=banned, recombine=_RECOMBINED)
     if not len(training):
         raise QueryError(f"{folder}: no take of split 'train' has a caption; see docs/training.md")
-    validation = real_store(captioned_takes(folder, captions, "val"), kind, varied=False, held_out=HeldOut(()))
+    validation = real_store(captioned_takes(folder, captions, "val"), kind, varied=False, held_out=HeldOutSentences(()))
     return training, validation if len(validation) else None
 
 

@@ -1,5 +1,1 @@
-"""Programs of dancing and of playing animals and things; importing registers them."""
-
-from encoders.corpus.actions.dance import free, imitation, set_dances
-
-__all__ = ["free", "imitation", "set_dances"]
+"""Dancing, and imitating animals and things."""

@@ -6,16 +6,15 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from encoders.corpus.engine.keyframes import REST, Key, back, key
-from encoders.corpus.engine.performance import SIDED, SIZES, UPPER, Cue, acted
+from encoders.corpus.engine.keyframed_actions import SIDED, UPPER, Cue, keyframed
+from encoders.corpus.engine.keyframes import REST, Channels, KeyPose, back, key
+from encoders.corpus.engine.program import AMPLITUDES
 
 GROUP = "dance"
-Pose = dict[str, ArrayLike]
 
 
-def sway(c: Cue, side: float, size: float) -> Pose:
+def sway(c: Cue, side: float, size: float) -> Channels:
     """Hips to one side, trunk against them."""
     return {
         "root": (0.06 * side * size, -c.r(0.01, 0.06), 0.0),
@@ -24,25 +23,27 @@ def sway(c: Cue, side: float, size: float) -> Pose:
     }
 
 
-def _loose_arms(c: Cue, size: float) -> Pose:
+def _loose_arms(c: Cue, size: float) -> Channels:
     """Somewhere before or beside the body, as arms go when people dance."""
     low = np.array([0.1, -0.45, 0.45])
     return {hand: low + c.rng.normal(0.0, 1.0, 3) * [0.2, 0.25, 0.12] * size for hand in ("lead", "off")}
 
 
-def _groove(c: Cue, beat: float, count: int, arms: Callable[[int], Pose], size: float, travel: float) -> list[Key]:
+def _groove(
+    c: Cue, beat: float, count: int, arms: Callable[[int], Channels], size: float, travel: float
+) -> list[KeyPose]:
     """Side to side on the beat; now and then a foot steps out and closes."""
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for index in range(count):
         side = 1.0 if index % 2 == 0 else -1.0
         foot = "lead_foot" if side > 0 else "off_foot"
-        out: Pose = {foot: (travel * c.r(0.6, 1.2), 0, c.r(-0.1, 0.15) * (travel > 0))} if c.chance(0.7) else {}
+        out: Channels = {foot: (travel * c.r(0.6, 1.2), 0, c.r(-0.1, 0.15) * (travel > 0))} if c.chance(0.7) else {}
         keys += [key(beat, **sway(c, side, size), **arms(index), head=(c.r(-0.1, 0.15), 0.1 * side, 0), **out)]
         keys += [key(beat, root=(0, 0, 0), **({foot: (0, 0, 0)} if out else {}))]
     return keys
 
 
-def _dancing_arms(kind: int, index: int, c: Cue, size: float) -> Pose:
+def _dancing_arms(kind: int, index: int, c: Cue, size: float) -> Channels:
     """What the arms do on one beat, of one of several ways."""
     first, second = ("lead", "off") if index % 2 else ("off", "lead")
     if kind < 2:
@@ -56,10 +57,10 @@ def _dancing_arms(kind: int, index: int, c: Cue, size: float) -> Pose:
     return {first: (0.75, -0.1, 0.3), second: (-0.45, -0.2, 0.5)}
 
 
-@acted("dance", group=GROUP, amplitudes=SIZES, weight=4)
-def dance(c: Cue) -> list[Key]:
+@keyframed("dance", group=GROUP, amplitudes=AMPLITUDES, weight=4)
+def dance(c: Cue) -> list[KeyPose]:
     """Free dancing: the arms one way or another over a groove, perhaps with a turn at the end."""
-    size, beat, keys = c.size(0.25), c.r(0.22, 0.42), list[Key]()
+    size, beat, keys = c.size(0.25), c.r(0.22, 0.42), list[KeyPose]()
     for _ in range(c.times(2, 3, 8 * beat)):
         kind = int(c.rng.integers(6))
         keys += _groove(c, beat, int(c.r(3, 6)), partial(_dancing_arms, kind, c=c, size=size), size, c.r(0.0, 0.25))
@@ -70,15 +71,15 @@ def dance(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("hip hop", group=GROUP, amplitudes=SIZES, weight=1.5)
-def hip_hop(c: Cue) -> list[Key]:
+@keyframed("hip hop", group=GROUP, amplitudes=AMPLITUDES, weight=1.5)
+def hip_hop(c: Cue) -> list[KeyPose]:
     """Bounce deep on the beat with hard arm hits and steps out."""
     size, beat = c.size(0.2), c.r(0.2, 0.3)
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for index in range(c.times(5, 10, 2 * beat)):
         side = 1.0 if index % 2 else -1.0
         foot = "lead_foot" if side > 0 else "off_foot"
-        hits: tuple[Pose, ...] = (
+        hits: tuple[Channels, ...] = (
             {"lead": (-0.3, 0.0, 0.55), "off": (0.5, -0.35, 0.3)},
             {"hands": (0.3, -0.2, 0.55)},
             {"off": (-0.5, -0.1, 0.5), "lead": (0.75, 0.0, 0.35)},
@@ -93,12 +94,12 @@ def hip_hop(c: Cue) -> list[Key]:
     return [*keys, back(0.5)]
 
 
-@acted("twist dance", group=GROUP, amplitudes=SIZES, counts=(3, 12))
-def twist_dance(c: Cue) -> list[Key]:
+@keyframed("twist dance", group=GROUP, amplitudes=AMPLITUDES, counts=(3, 12))
+def twist_dance(c: Cue) -> list[KeyPose]:
     """Hips and toes turn one way, chest and bent arms the other, going down and up."""
     size, beat = c.size(0.2), c.r(0.22, 0.34)
     count = c.times(5, 10, 2 * beat)
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for index in range(count):
         deep = -0.05 - 0.2 * np.sin(np.pi * index / count) * size
         for way in (1.0, -1.0):
@@ -111,13 +112,13 @@ def twist_dance(c: Cue) -> list[Key]:
     return [*keys, back(0.5)]
 
 
-@acted("robot dance", group=GROUP)
-def robot_dance(c: Cue) -> list[Key]:
+@keyframed("robot dance", group=GROUP)
+def robot_dance(c: Cue) -> list[KeyPose]:
     """Abrupt moves from one angular pose to the next, with stops."""
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     forearms = ((0.1, -0.5, 0.48), (0.25, 0.0, 0.45), (0.6, -0.45, 0.05), (0.5, 0.35, 0.1), (0.05, -0.5, 0.5))
     for _ in range(c.times(5, 10, 0.6)):
-        arms: Pose = {hand: forearms[int(c.rng.integers(5))] for hand in ("lead", "off") if c.chance(0.75)}
+        arms: Channels = {hand: forearms[int(c.rng.integers(5))] for hand in ("lead", "off") if c.chance(0.75)}
         turn = c.r(-0.6, 0.6)
         keys += [
             key(0.16, c.r(0.15, 0.5), **arms, spine=(0, c.r(-0.2, 0.2), turn), head=(0, 0, c.r(-0.6, 0.6)), elbows=0.3)
@@ -125,8 +126,8 @@ def robot_dance(c: Cue) -> list[Key]:
     return [*keys, back(0.4)]
 
 
-@acted("macarena", group=GROUP, counts=(1, 2))
-def macarena(c: Cue) -> list[Key]:
+@keyframed("macarena", group=GROUP, counts=(1, 2))
+def macarena(c: Cue) -> list[KeyPose]:
     """Hands forward, turned, to the shoulders, the head, the hips, one after the other; then the hips roll."""
     beat = c.r(0.32, 0.48)
     spots = (
@@ -137,7 +138,7 @@ def macarena(c: Cue) -> list[Key]:
         (-0.55, -0.7, 0.25),
         (0.0, -0.68, -0.1),
     )
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 1)):
         for spot in spots:
             for hand in ("lead", "off"):
@@ -148,8 +149,8 @@ def macarena(c: Cue) -> list[Key]:
     return [*keys, back(0.5)]
 
 
-@acted("disco", group=GROUP, sides=SIDED, counts=(2, 8))
-def disco(c: Cue) -> list[Key]:
+@keyframed("disco", group=GROUP, sides=SIDED, counts=(2, 8))
+def disco(c: Cue) -> list[KeyPose]:
     """One arm points up and out, then down across, the other hand on the hip."""
     beat = c.r(0.28, 0.42)
     keys = [key(0.5, off=(0.0, -0.68, 0.05), off_elbow=0.9, feet=(0.06, 0, 0))]
@@ -161,25 +162,29 @@ def disco(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("sway dance", group=GROUP, counts=(2, 8))
-def sway_dance(c: Cue) -> list[Key]:
+@keyframed("sway dance", group=GROUP, counts=(2, 8))
+def sway_dance(c: Cue) -> list[KeyPose]:
     """Slow dance: weight from foot to foot, arms hanging, held round a partner, or waved overhead."""
     beat, size, kind = c.r(0.6, 1.1), c.size(0.2), c.rng.random()
-    arms: Pose = {} if kind < 0.25 else {"hands": (-0.2, -0.1, 0.55)} if kind < 0.7 else {"hands": (0.1, 0.85, 0.15)}
+    arms: Channels = (
+        {} if kind < 0.25 else {"hands": (-0.2, -0.1, 0.55)} if kind < 0.7 else {"hands": (0.1, 0.85, 0.15)}
+    )
     keys = [key(0.6, **arms)]
     for _ in range(c.times(2, 4, 2 * beat)):
         for side in (1.0, -1.0):
-            wave: Pose = (
+            wave: Channels = (
                 {"lead": (0.1 + 0.3 * side, 0.8, 0.15), "off": (0.1 - 0.3 * side, 0.8, 0.15)} if kind >= 0.7 else {}
             )
             keys += [key(beat, **sway(c, side, 1.1 * size), **wave)]
     return [*keys, back(0.7)]
 
 
-@acted("headbang", group=GROUP, parts=UPPER, counts=(3, 12))
-def headbang(c: Cue) -> list[Key]:
+@keyframed("headbang", group=GROUP, parts=UPPER, counts=(3, 12))
+def headbang(c: Cue) -> list[KeyPose]:
     beat, deep = c.r(0.16, 0.26), c.r(0.3, 0.7)
-    arms: Pose = {"lead": (0.1, 0.5, 0.4)} if c.chance(0.3) else {"hands": (0.1, -0.6, 0.35)} if c.chance(0.5) else {}
+    arms: Channels = (
+        {"lead": (0.1, 0.5, 0.4)} if c.chance(0.3) else {"hands": (0.1, -0.6, 0.35)} if c.chance(0.5) else {}
+    )
     keys = [key(0.4, **arms, spine=(0.15, 0, 0), head=(-0.2, 0, 0))]
     for _ in range(c.times(5, 12, 2 * beat)):
         keys += [
@@ -189,8 +194,8 @@ def headbang(c: Cue) -> list[Key]:
     return [*keys, back(0.5)]
 
 
-@acted("spin dance", group=GROUP, directions=("clockwise", "counterclockwise"), counts=(1, 4), weight=1.5)
-def spin_dance(c: Cue) -> list[Key]:
+@keyframed("spin dance", group=GROUP, directions=("clockwise", "counterclockwise"), counts=(1, 4), weight=1.5)
+def spin_dance(c: Cue) -> list[KeyPose]:
     """Turn round and round on the spot with small steps, arms held out or up."""
     right = {"clockwise": True, "counterclockwise": False}.get(c.step.direction, c.chance(0.5))
     way = 1.0 if right == (c.lead == "right") else -1.0

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import SIDED, Cue, acted
+from encoders.corpus.engine.keyframed_actions import SIDED, Cue, keyframed
+from encoders.corpus.engine.keyframes import Channels, KeyPose, back, key
 
 GROUP = "dance"
-Pose = dict[str, ArrayLike]
 
 
-@acted("chicken", group=GROUP, counts=(2, 10), weight=1.5)
-def chicken(c: Cue) -> list[Key]:
+@keyframed("chicken", group=GROUP, counts=(2, 10), weight=1.5)
+def chicken(c: Cue) -> list[KeyPose]:
     """Hands at the armpits, elbows flap; the head pecks, perhaps with little steps."""
     beat = c.r(0.17, 0.3)
     keys = [key(0.5, hands=(-0.08, -0.25, 0.22), elbows=0.6, spine=(0.2, 0, 0), root=(0, -0.08, 0))]
     for index in range(c.times(4, 9, 2 * beat)):
-        steps: Pose = {}
+        steps: Channels = {}
         if index % 2 and c.chance(0.5):
             steps = {"lead_foot" if index % 4 == 1 else "off_foot": (0.02, 0.12, 0.08)}
-        rest: Pose = dict.fromkeys(steps, (0, 0, 0))
+        rest: Channels = dict.fromkeys(steps, (0, 0, 0))
         keys += [
             key(beat, hands=(0.0, -0.12, 0.16), elbows=1.3, head=(0.25, 0, 0), **steps),
             key(beat, hands=(-0.05, -0.32, 0.2), elbows=0.3, head=(-0.15, 0, 0), **rest),
@@ -29,16 +27,16 @@ def chicken(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("monkey", group=GROUP, counts=(2, 8), weight=1.2)
-def monkey(c: Cue) -> list[Key]:
+@keyframed("monkey", group=GROUP, counts=(2, 8), weight=1.2)
+def monkey(c: Cue) -> list[KeyPose]:
     """Crouched, swaying on bowed legs, arms loose, scratching the ribs and the head."""
     beat = c.r(0.25, 0.42)
-    low: Pose = {"root": (0, -0.2, -0.03), "spine": (0.5, 0, 0), "head": (-0.4, 0, 0), "feet": (0.1, 0, 0)}
+    low: Channels = {"root": (0, -0.2, -0.03), "spine": (0.5, 0, 0), "head": (-0.4, 0, 0), "feet": (0.1, 0, 0)}
     keys = [key(0.6, **low, hands=(0.25, -0.75, 0.3), lead_knee=0.5, off_knee=0.5)]
     for index in range(c.times(4, 8, 2 * beat)):
         side = 1.0 if index % 2 else -1.0
         move = c.rng.random()
-        arms: Pose = {"lead": (0.2, -0.6, 0.4), "off": (0.2, -0.6, 0.4)}
+        arms: Channels = {"lead": (0.2, -0.6, 0.4), "off": (0.2, -0.6, 0.4)}
         if move < 0.35:
             arms = {"lead": (0.0, -0.3, 0.18), "off": (0.0, -0.35, 0.15), "elbows": 1.0}
         elif move < 0.55:
@@ -51,8 +49,8 @@ def monkey(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-@acted("elephant", group=GROUP, counts=(1, 5))
-def elephant(c: Cue) -> list[Key]:
+@keyframed("elephant", group=GROUP, counts=(1, 5))
+def elephant(c: Cue) -> list[KeyPose]:
     """One arm hangs from the face like a trunk and swings, or is raised up."""
     keys = [key(0.7, lead=(-0.3, -0.7, 0.55), off=(-0.35, 0.1, 0.32), spine=(0.5, 0, 0), head=(0, 0, 0))]
     for _ in range(c.times(2, 4, 1.4)):
@@ -69,8 +67,8 @@ def elephant(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-@acted("bird", group=GROUP, counts=(2, 8), weight=1.2)
-def bird(c: Cue) -> list[Key]:
+@keyframed("bird", group=GROUP, counts=(2, 8), weight=1.2)
+def bird(c: Cue) -> list[KeyPose]:
     """Fly: wide slow wing beats, leaning forward, sometimes gliding from side to side."""
     beat, lean = c.r(0.3, 0.55), c.r(0.0, 0.6)
     keys = [key(0.6, hands=(0.92, 0.15, 0.0), spine=(lean, 0, 0), head=(-0.5 * lean, 0, 0))]
@@ -83,8 +81,8 @@ def bird(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("airplane", group=GROUP)
-def airplane(c: Cue) -> list[Key]:
+@keyframed("airplane", group=GROUP)
+def airplane(c: Cue) -> list[KeyPose]:
     """Stiff arms out to the sides, banking."""
     keys = [key(0.6, hands=(0.98, 0.0, 0.0), spine=(c.r(0.0, 0.4), 0, 0))]
     for _ in range(c.times(2, 5, 1.6)):
@@ -96,8 +94,8 @@ def airplane(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("beast", group=GROUP, counts=(1, 5))
-def beast(c: Cue) -> list[Key]:
+@keyframed("beast", group=GROUP, counts=(1, 5))
+def beast(c: Cue) -> list[KeyPose]:
     """Threaten like a bear or a monster: claws up, leaning in, swiping."""
     claws = c.about((0.2, 0.35, 0.5), 0.05)
     keys = [key(0.5, 0.3, hands=claws, spine=(0.15, 0, 0), head=(-0.1, 0, 0), root=(0, -0.08, 0), feet=(0.08, 0, 0))]
@@ -111,8 +109,8 @@ def beast(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("dog", group=GROUP)
-def dog(c: Cue) -> list[Key]:
+@keyframed("dog", group=GROUP)
+def dog(c: Cue) -> list[KeyPose]:
     """Beg: paws before the chest, panting and hopping a little, looking about."""
     keys = [
         key(0.5, hands=(-0.15, -0.2, 0.35), elbows=-0.2, spine=(0.15, 0, 0), root=(0, -0.12, 0), head=(-0.15, 0, 0))
@@ -125,10 +123,10 @@ def dog(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("teapot", group=GROUP, sides=SIDED, counts=(1, 4))
-def teapot(c: Cue) -> list[Key]:
+@keyframed("teapot", group=GROUP, sides=SIDED, counts=(1, 4))
+def teapot(c: Cue) -> list[KeyPose]:
     """One hand on the hip as the handle, the other arm bent out as the spout, tipping over to its side."""
-    pose: Pose = {"off": (0.0, -0.68, 0.05), "off_elbow": 0.9, "lead": (0.5, 0.1, 0.25), "lead_elbow": -0.3}
+    pose: Channels = {"off": (0.0, -0.68, 0.05), "off_elbow": 0.9, "lead": (0.5, 0.1, 0.25), "lead_elbow": -0.3}
     keys = [key(0.7, c.r(0.2, 0.8), **pose)]
     for _ in range(c.times(1, 3)):
         keys += [
@@ -138,14 +136,14 @@ def teapot(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("ride horse", group=GROUP, counts=(3, 12))
-def ride_horse(c: Cue) -> list[Key]:
+@keyframed("ride horse", group=GROUP, counts=(3, 12))
+def ride_horse(c: Cue) -> list[KeyPose]:
     """Bounce in the saddle with the reins in both hands, or one hand swung like a lasso."""
     beat, lasso = c.r(0.2, 0.3), c.chance(0.4)
     keys = [key(0.5, hands=(-0.25, -0.35, 0.5), root=(0, -0.15, 0), feet=(0.15, 0, 0), lead_knee=0.4, off_knee=0.4)]
     for index in range(c.times(5, 12, 2 * beat)):
         angle = index * np.pi / 2
-        swing: Pose = {"lead": (0.15 + 0.25 * np.cos(angle), 0.75, 0.1 + 0.25 * np.sin(angle))} if lasso else {}
+        swing: Channels = {"lead": (0.15 + 0.25 * np.cos(angle), 0.75, 0.1 + 0.25 * np.sin(angle))} if lasso else {}
         keys += [
             key(beat, root=(0, -0.2, 0), spine=(0.15, 0, 0), off=(-0.25, -0.4, 0.52), **swing),
             key(beat, root=(0, -0.08, 0), spine=(0.05, 0, 0), off=(-0.25, -0.3, 0.45)),
@@ -153,15 +151,15 @@ def ride_horse(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("puppet", group=GROUP)
-def puppet(c: Cue) -> list[Key]:
+@keyframed("puppet", group=GROUP)
+def puppet(c: Cue) -> list[KeyPose]:
     """Limbs jerked up as if by strings and dropped again."""
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(4, 9, 0.9)):
         hand = "lead" if c.chance(0.5) else "off"
         up = c.about((0.45, 0.1, 0.25), 0.15)
-        foot: Pose = {f"{hand}_foot": (0.05, 0.25, 0.15)} if c.chance(0.35) else {}
-        down: Pose = dict.fromkeys(foot, (0, 0, 0))
+        foot: Channels = {f"{hand}_foot": (0.05, 0.25, 0.15)} if c.chance(0.35) else {}
+        down: Channels = dict.fromkeys(foot, (0, 0, 0))
         keys += [
             key(0.22, 0.1, **{hand: up}, **foot, spine=(0.1, c.r(-0.2, 0.2), 0), head=(0.2, c.r(-0.3, 0.3), 0)),
             key(0.3, **{hand: (0.3, -0.75, 0.25)}, **down),

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from encoders.corpus.actions.dance.free import GROUP, Pose, sway
-from encoders.corpus.engine.keyframes import REST, Key, back, key
-from encoders.corpus.engine.performance import UPPER, Cue, acted, orbit
+from encoders.corpus.actions.dance.free import GROUP, sway
+from encoders.corpus.engine.keyframed_actions import UPPER, Cue, keyframed, orbit
+from encoders.corpus.engine.keyframes import REST, Channels, KeyPose, back, key
 
 
-@acted("salsa", group=GROUP, counts=(1, 6), weight=1.5)
-def salsa(c: Cue) -> list[Key]:
+@keyframed("salsa", group=GROUP, counts=(1, 6), weight=1.5)
+def salsa(c: Cue) -> list[KeyPose]:
     """One foot forward, replace, close; the other back, replace, close; hips over each step, elbows bent."""
     beat, long, size = c.r(0.22, 0.34), c.r(0.15, 0.3), c.size(0.2)
     arms = {"lead": (0.15, -0.5, 0.42), "off": (0.15, -0.45, 0.42)}
@@ -29,8 +29,8 @@ def salsa(c: Cue) -> list[Key]:
     return [*keys, back(0.5)]
 
 
-@acted("waltz", group=GROUP, counts=(1, 4), weight=1.5)
-def waltz(c: Cue) -> list[Key]:
+@keyframed("waltz", group=GROUP, counts=(1, 4), weight=1.5)
+def waltz(c: Cue) -> list[KeyPose]:
     """Box steps in dance hold: forward, side, close, backward, side, close, rising and falling."""
     beat, long = c.r(0.35, 0.55), c.r(0.2, 0.35)
     hold = {"lead": (-0.2, c.r(-0.25, 0.0), 0.55), "off": (0.7, c.r(-0.1, 0.15), 0.4)}
@@ -48,8 +48,8 @@ def waltz(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("ballet", group=GROUP, weight=1.5)
-def ballet(c: Cue) -> list[Key]:
+@keyframed("ballet", group=GROUP, weight=1.5)
+def ballet(c: Cue) -> list[KeyPose]:
     """Round arms through the positions, knee bends, a leg extended, perhaps a turn on one foot."""
     places = {
         "low": (-0.15, -0.75, 0.35), "first": (-0.2, -0.25, 0.6), "second": (0.8, -0.1, 0.3),
@@ -80,13 +80,18 @@ def ballet(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-@acted("pirouette", group=GROUP, directions=("clockwise", "counterclockwise"), counts=(1, 3))
-def pirouette(c: Cue) -> list[Key]:
+@keyframed("pirouette", group=GROUP, directions=("clockwise", "counterclockwise"), counts=(1, 3))
+def pirouette(c: Cue) -> list[KeyPose]:
     """Wind up, then turn on one foot with the other at the knee and round arms."""
     right = {"clockwise": True, "counterclockwise": False}.get(c.step.direction, c.chance(0.5))
     way = 1.0 if right == (c.lead == "right") else -1.0  # clockwise seen from above turns to the right
     full = way * 2 * np.pi * c.times(1, 2)
-    retire: Pose = {"lead_foot": (-0.1, 0.42, 0.05), "lead_toes": -0.8, "lead_knee": 0.9, "root": (-0.09, 0.02, 0)}
+    retire: Channels = {
+        "lead_foot": (-0.1, 0.42, 0.05),
+        "lead_toes": -0.8,
+        "lead_knee": 0.9,
+        "root": (-0.09, 0.02, 0),
+    }
     time = c.r(0.7, 1.0) * abs(full) / (2 * np.pi)
     return [
         key(0.6, lead=(0.75, -0.1, 0.3), off=(-0.2, -0.2, 0.6), spine=(0, 0, -0.3 * way), root=(0, -0.12, 0)),
@@ -104,8 +109,8 @@ def pirouette(c: Cue) -> list[Key]:
     ]
 
 
-@acted("cancan", group=GROUP, counts=(2, 8))
-def cancan(c: Cue) -> list[Key]:
+@keyframed("cancan", group=GROUP, counts=(2, 8))
+def cancan(c: Cue) -> list[KeyPose]:
     """High kicks in turn with a hop between, hands on the hips."""
     beat, high = c.r(0.28, 0.4), c.r(0.5, 1.0)
     keys = [key(0.5, hands=(0.0, -0.68, 0.05), elbows=0.9)]
@@ -118,8 +123,8 @@ def cancan(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("belly dance", group=GROUP, parts=frozenset({"legs", *UPPER}), counts=(2, 8))
-def belly_dance(c: Cue) -> list[Key]:
+@keyframed("belly dance", group=GROUP, parts=frozenset({"legs", *UPPER}), counts=(2, 8))
+def belly_dance(c: Cue) -> list[KeyPose]:
     """Hips circle and drop while the arms wave at the sides."""
     lap, wide = c.r(0.8, 1.4), c.r(0.05, 0.1)
     keys = [key(0.6, hands=(0.7, 0.0, 0.2), root=(wide, -0.05, 0))]
@@ -127,20 +132,22 @@ def belly_dance(c: Cue) -> list[Key]:
         circle = orbit("root", (0, -0.05, 0), (wide, 0, 0), (0, 0, wide), 1, lap)
         for index, k in enumerate(circle):
             wave = 0.25 * np.sin(index * np.pi / 4)
-            arms: Pose = {"lead": (0.7, wave, 0.2), "off": (0.7, -wave, 0.2)} if index % 2 else {}
+            arms: Channels = {"lead": (0.7, wave, 0.2), "off": (0.7, -wave, 0.2)} if index % 2 else {}
             keys += [
-                Key(k.seconds, 0.0, {**k.channels, **arms, "pelvis": (0, 2.0 * np.cos(index * np.pi / 4) * wide, 0)})
+                KeyPose(
+                    k.seconds, 0.0, {**k.channels, **arms, "pelvis": (0, 2.0 * np.cos(index * np.pi / 4) * wide, 0)}
+                )
             ]
     return [*keys, back(0.7)]
 
 
-@acted("step touch", group=GROUP, counts=(2, 8), weight=1.5)
-def step_touch(c: Cue) -> list[Key]:
+@keyframed("step touch", group=GROUP, counts=(2, 8), weight=1.5)
+def step_touch(c: Cue) -> list[KeyPose]:
     """Step to one side, close with a clap or snap, and back the other way."""
     beat, wide, claps = c.r(0.3, 0.48), c.r(0.2, 0.4), c.chance(0.5)
-    meet: Pose = {"hands": (-0.28, -0.2, 0.45)} if claps else {"hands": (0.25, -0.35, 0.4)}
-    part: Pose = {"hands": (0.3, -0.4, 0.3)} if claps else {"hands": (0.1, -0.6, 0.3)}
-    keys: list[Key] = []
+    meet: Channels = {"hands": (-0.28, -0.2, 0.45)} if claps else {"hands": (0.25, -0.35, 0.4)}
+    part: Channels = {"hands": (0.3, -0.4, 0.3)} if claps else {"hands": (0.1, -0.6, 0.3)}
+    keys: list[KeyPose] = []
     for index in range(c.times(2, 6, 2 * beat)):
         go, close = ("lead_foot", "off_foot") if index % 2 == 0 else ("off_foot", "lead_foot")
         side = 1.0 if index % 2 == 0 else -1.0

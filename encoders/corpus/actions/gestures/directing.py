@@ -6,14 +6,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from encoders.corpus.engine.curves import ARMS, Array
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import HANDS, ONE_ARM, SIDED, SIZES, UPPER, Cue, acted, moved
+from encoders.corpus.engine.keyframed_actions import HANDS, ONE_ARM, SIDED, UPPER, Cue, keyframed, moved
+from encoders.corpus.engine.keyframes import KeyPose, back, key
+from encoders.corpus.engine.program import AMPLITUDES
 
 GROUP = "gesture"
 
 
-@acted("beckon", group=GROUP, parts=ONE_ARM, sides=HANDS, amplitudes=SIZES, counts=(1, 6), weight=2)
-def beckon(c: Cue) -> list[Key]:
+@keyframed("beckon", group=GROUP, parts=ONE_ARM, sides=HANDS, amplitudes=AMPLITUDES, counts=(1, 6), weight=2)
+def beckon(c: Cue) -> list[KeyPose]:
     """Come here: the hand is drawn in from before the body, or the wrist alone scoops, palm up or palm down."""
     size, kind = c.size(), c.rng.random()
     out = c.about((c.r(-0.1, 0.2), c.r(-0.45, 0.3), 0.55 + 0.2 * min(size, 1.2)), 0.04)
@@ -55,11 +56,11 @@ def _aim(c: Cue) -> tuple[Array, tuple[float, float, float]]:
 POINTING = ("forward", "left", "right", "up", "down", "backward")
 
 
-@acted("point", group=GROUP, parts=ONE_ARM, sides=SIDED, directions=POINTING, counts=(1, 3), weight=3)
-def point(c: Cue) -> list[Key]:
+@keyframed("point", group=GROUP, parts=ONE_ARM, sides=SIDED, directions=POINTING, counts=(1, 3), weight=3)
+def point(c: Cue) -> list[KeyPose]:
     place, gaze = _aim(c)
     bent = 1.0 if c.chance(0.7) else c.r(0.75, 1.0)
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 1)):
         twist = (0, 0, 0.3 * gaze[2])
         arm: dict[str, ArrayLike] = {"lead": place * bent}
@@ -88,7 +89,7 @@ def _open_hand(angle: float, up: float, length: float) -> Array:
     return np.array([flat * np.sin(angle), up, flat * np.cos(angle)])
 
 
-def _before_the_way(c: Cue, angle: float, up: float) -> list[Key]:
+def _before_the_way(c: Cue, angle: float, up: float) -> list[KeyPose]:
     """How the hand gets there: past the chest, in a sweep from the front, from across the belly, or straight."""
     kind = c.rng.random()
     if kind < 0.4:
@@ -113,8 +114,8 @@ def _off_hand(c: Cue, angle: float, up: float) -> dict[str, ArrayLike]:
     return {"off": across * [1.0 if angle > 0 else 0.5, 1.0, 1.0]}
 
 
-@acted("guide", group=GROUP, parts=ONE_ARM, sides=SIDED, directions=("forward", "left", "right"), weight=8)
-def guide(c: Cue) -> list[Key]:
+@keyframed("guide", group=GROUP, parts=ONE_ARM, sides=SIDED, directions=("forward", "left", "right"), weight=8)
+def guide(c: Cue) -> list[KeyPose]:
     """Show the way: an open hand is led out at waist to shoulder height and held, often with a slight bow or a turn."""
     angle, up = _toward_the_way(c), c.r(-0.62, 0.1)
     across = c.toward < 0
@@ -146,8 +147,8 @@ def guide(c: Cue) -> list[Key]:
     return [*keys, back(c.r(0.5, 1.0))] if c.chance(0.78) else keys
 
 
-@acted("phone call", group=GROUP, parts=ONE_ARM, sides=SIDED, precise=True)
-def phone_call(c: Cue) -> list[Key]:
+@keyframed("phone call", group=GROUP, parts=ONE_ARM, sides=SIDED, precise=True)
+def phone_call(c: Cue) -> list[KeyPose]:
     ear, tilt = c.about((-0.1, 0.14, 0.14), 0.02), c.r(0.05, 0.3)
     keys = [key(c.r(0.5, 0.8), c.r(0.5, 1.2), lead=ear, lead_elbow=c.r(-0.3, 0.5), head=(0.1, tilt, 0))]
     for _ in range(int(c.r(0, 3))):
@@ -155,8 +156,8 @@ def phone_call(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("call out", group=GROUP, parts=UPPER, sides=HANDS, counts=(1, 3), weight=2)
-def call_out(c: Cue) -> list[Key]:
+@keyframed("call out", group=GROUP, parts=UPPER, sides=HANDS, counts=(1, 3), weight=2)
+def call_out(c: Cue) -> list[KeyPose]:
     """Shout with the hands round the mouth (or one hand beside it), leaning into it."""
     mouth = c.about((-0.2, 0.16, 0.36), 0.03)
     two = c.both or (not c.step.side and c.chance(0.7))
@@ -171,8 +172,8 @@ def call_out(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("dismiss", group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(1, 4))
-def dismiss(c: Cue) -> list[Key]:
+@keyframed("dismiss", group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(1, 4))
+def dismiss(c: Cue) -> list[KeyPose]:
     """Go away: the hand is flicked out from the chest."""
     keys = [key(0.4, hand=(-0.3, -0.05, 0.38))]
     for _ in range(c.times(1, 3)):
@@ -181,8 +182,8 @@ def dismiss(c: Cue) -> list[Key]:
     return [*keys[:-1], back(0.6)]
 
 
-@acted("wag finger", group=GROUP, parts=ONE_ARM, sides=SIDED, counts=(2, 6))
-def wag_finger(c: Cue) -> list[Key]:
+@keyframed("wag finger", group=GROUP, parts=ONE_ARM, sides=SIDED, counts=(2, 6))
+def wag_finger(c: Cue) -> list[KeyPose]:
     place, beat, wide = c.about((0.0, 0.0, 0.52), 0.06), c.r(0.14, 0.25), c.r(0.06, 0.12)
     keys = [key(0.5, lead=place, head=(0.08, 0, 0))]
     for _ in range(c.times(2, 5, 2 * beat)):
@@ -190,8 +191,8 @@ def wag_finger(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("refuse", group=GROUP, parts=UPPER, counts=(2, 6))
-def refuse(c: Cue) -> list[Key]:
+@keyframed("refuse", group=GROUP, parts=UPPER, counts=(2, 6))
+def refuse(c: Cue) -> list[KeyPose]:
     """No, no: both hands cross and part before the chest while the head shakes."""
     up, beat = c.r(-0.3, -0.05), c.r(0.18, 0.3)
     keys = [key(0.4, hands=(0.0, up, 0.5))]
@@ -203,8 +204,8 @@ def refuse(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("count fingers", group=GROUP, parts=ARMS, sides=SIDED, counts=(2, 6), precise=True)
-def count_fingers(c: Cue) -> list[Key]:
+@keyframed("count fingers", group=GROUP, parts=ARMS, sides=SIDED, counts=(2, 6), precise=True)
+def count_fingers(c: Cue) -> list[KeyPose]:
     place = c.about((-0.28, -0.12, 0.45), 0.04)
     beat = c.r(0.25, 0.4)
     keys = [key(0.6, off=moved(place, 0.0, -0.05, 0.05), lead=moved(place, 0.12, 0.1, 0), head=(0.25, 0, 0))]
@@ -213,13 +214,13 @@ def count_fingers(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("talk", group=GROUP, parts=ARMS, amplitudes=SIZES, weight=2)
-def talk(c: Cue) -> list[Key]:
+@keyframed("talk", group=GROUP, parts=ARMS, amplitudes=AMPLITUDES, weight=2)
+def talk(c: Cue) -> list[KeyPose]:
     """Explain something: the hands wander in front of the body with beats of speech."""
     size = c.size(0.25)
     one = c.chance(0.35)
     centre = np.array([0.05, -0.45, 0.5])
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(4, 9, 0.5)):
         place = centre + c.rng.normal(0.0, 1.0, 3) * [0.16, 0.13, 0.1] * size
         other = place * [c.r(0.6, 1.2), 1, 1] if c.chance(0.5) else centre + c.rng.normal(0, 0.12, 3) * size
@@ -229,10 +230,10 @@ def talk(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("direct traffic", group=GROUP, parts=ARMS)
-def direct_traffic(c: Cue) -> list[Key]:
+@keyframed("direct traffic", group=GROUP, parts=ARMS)
+def direct_traffic(c: Cue) -> list[KeyPose]:
     """Stop one side with a flat hand, wave the other through with the whole arm; then the sides change."""
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     stop, wave = "off", "lead"
     for _ in range(c.times(1, 3, 3.0)):
         gaze = c.r(0.4, 0.9) if wave == "lead" else -c.r(0.4, 0.9)
@@ -248,11 +249,11 @@ def direct_traffic(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("conduct", group=GROUP, parts=ARMS, counts=(2, 8))
-def conduct(c: Cue) -> list[Key]:
+@keyframed("conduct", group=GROUP, parts=ARMS, counts=(2, 8))
+def conduct(c: Cue) -> list[KeyPose]:
     """Four beats: down, in, out, up."""
     size, beat, up = c.size(0.2), c.r(0.25, 0.45), c.r(-0.2, 0.1)
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(2, 3, 4 * beat)):
         for x, y in ((0.0, -0.3), (-0.2, -0.1), (0.35, -0.1), (0.0, 0.2)):
             keys += [key(beat, hands=(x * size, up + y * size, 0.55), head=(-0.15 * y, 0, 0))]

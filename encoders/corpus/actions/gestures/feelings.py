@@ -5,16 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import HANDS, SIDED, UPPER, Cue, acted
+from encoders.corpus.engine.keyframed_actions import HANDS, MOUTH, SIDED, UPPER, Cue, keyframed
+from encoders.corpus.engine.keyframes import Channels, KeyPose, back, key
 
 GROUP = "gesture"
-Pose = dict[str, ArrayLike]
-MOUTH = (-0.25, 0.14, 0.34)
 
 
-@acted("yawn", group=GROUP, parts=UPPER, sides=HANDS)
-def yawn(c: Cue) -> list[Key]:
+@keyframed("yawn", group=GROUP, parts=UPPER, sides=HANDS)
+def yawn(c: Cue) -> list[KeyPose]:
     """A hand before the mouth while the head falls back, or both arms stretched out and up."""
     if c.both or (not c.step.side and c.chance(0.5)):
         stretch = {"hands": c.about((c.r(0.25, 0.6), c.r(0.5, 0.8), 0.0), 0.05)}
@@ -26,7 +24,7 @@ def yawn(c: Cue) -> list[Key]:
     return [cover, back(0.7)]
 
 
-def _fit(c: Cue, hand: bool, beat: float, deep: float, low: int, high: int) -> list[Key]:
+def _fit(c: Cue, hand: bool, beat: float, deep: float, low: int, high: int) -> list[KeyPose]:
     """Jerks of the trunk with a hand before the mouth, as when coughing."""
     cover = {"lead": MOUTH} if hand else {}
     keys = [key(c.r(0.3, 0.5), **cover, spine=(-0.06, 0, 0), shrugs=0.1)]
@@ -38,15 +36,15 @@ def _fit(c: Cue, hand: bool, beat: float, deep: float, low: int, high: int) -> l
     return keys
 
 
-@acted("cough", group=GROUP, parts=UPPER, sides=SIDED, counts=(1, 5))
-def cough(c: Cue) -> list[Key]:
+@keyframed("cough", group=GROUP, parts=UPPER, sides=SIDED, counts=(1, 5))
+def cough(c: Cue) -> list[KeyPose]:
     return [*_fit(c, bool(c.step.side) or c.chance(0.85), c.r(0.12, 0.2), c.r(0.2, 0.4), 2, 4), back(0.7)]
 
 
-@acted("sneeze", group=GROUP, parts=UPPER, sides=SIDED, counts=(1, 3))
-def sneeze(c: Cue) -> list[Key]:
+@keyframed("sneeze", group=GROUP, parts=UPPER, sides=SIDED, counts=(1, 3))
+def sneeze(c: Cue) -> list[KeyPose]:
     cover = {"lead": MOUTH} if c.step.side or c.chance(0.8) else {}
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 2)):
         keys += [
             key(c.r(0.4, 0.7), 0.15, spine=(-0.2, 0, 0), head=(-0.35, 0, 0), lead=(-0.1, -0.05, 0.45)),
@@ -56,8 +54,8 @@ def sneeze(c: Cue) -> list[Key]:
     return keys
 
 
-@acted("laugh", group=GROUP, parts=UPPER, counts=(3, 10), amplitudes=("small", "large"), weight=1.5)
-def laugh(c: Cue) -> list[Key]:
+@keyframed("laugh", group=GROUP, parts=UPPER, counts=(3, 10), amplitudes=("small", "large"), weight=1.5)
+def laugh(c: Cue) -> list[KeyPose]:
     """The chest shakes; hands hold the belly, cover the mouth, slap a thigh or hang."""
     size, beat = c.size(0.3), c.r(0.1, 0.17)
     kind = c.rng.random()
@@ -82,8 +80,8 @@ def laugh(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-@acted("cry", group=GROUP, parts=UPPER, counts=(3, 10), weight=1.5)
-def cry(c: Cue) -> list[Key]:
+@keyframed("cry", group=GROUP, parts=UPPER, counts=(3, 10), weight=1.5)
+def cry(c: Cue) -> list[KeyPose]:
     """Head down in the hands or a wiping hand, shoulders heaving."""
     hands: dict[str, ArrayLike] = {"hands": (-0.24, 0.18, 0.3)} if c.chance(0.65) else {"lead": (-0.25, 0.24, 0.3)}
     bend, beat = c.r(0.15, 0.45), c.r(0.2, 0.35)
@@ -97,8 +95,8 @@ def cry(c: Cue) -> list[Key]:
 
 
 def _shiver(name: str, beat: tuple[float, float], size: float, low: int, high: int, hug: float) -> None:
-    @acted(name, group=GROUP, parts=UPPER)
-    def shiver(c: Cue) -> list[Key]:
+    @keyframed(name, group=GROUP, parts=UPPER)
+    def shiver(c: Cue) -> list[KeyPose]:
         arms = (
             {"lead": (-0.58, -0.3, 0.32), "off": (-0.56, -0.36, 0.36)} if c.chance(hug) else {"hands": (0.1, -0.6, 0.4)}
         )
@@ -115,8 +113,8 @@ _shiver("tremble", (0.08, 0.12), 0.04, 14, 30, 0.7)
 _shiver("shake body", (0.12, 0.2), 0.14, 10, 22, 0.0)
 
 
-@acted("rock baby", group=GROUP, parts=UPPER, counts=(2, 8), precise=True)
-def rock_baby(c: Cue) -> list[Key]:
+@keyframed("rock baby", group=GROUP, parts=UPPER, counts=(2, 8), precise=True)
+def rock_baby(c: Cue) -> list[KeyPose]:
     beat, wide = c.r(0.6, 1.0), c.r(0.08, 0.2)
     lead, off = np.array([-0.55, -0.38, 0.4]), np.array([-0.4, -0.45, 0.42])
     keys = [key(0.8, lead=lead, off=off, head=(0.3, 0.15, 0))]
@@ -127,10 +125,10 @@ def rock_baby(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-def _clutch(name: str, hands: Pose, bend: tuple[float, float], nod: float) -> None:
-    @acted(name, group=GROUP, parts=UPPER, precise=True)
-    def clutch(c: Cue) -> list[Key]:
-        lean, keys = c.r(*bend), list[Key]()
+def _clutch(name: str, hands: Channels, bend: tuple[float, float], nod: float) -> None:
+    @keyframed(name, group=GROUP, parts=UPPER, precise=True)
+    def clutch(c: Cue) -> list[KeyPose]:
+        lean, keys = c.r(*bend), list[KeyPose]()
         keys = [key(c.r(0.5, 0.9), 0.2, **hands, spine=(lean, 0, 0), head=(nod, 0, 0), root=(0, -0.04, 0))]
         for _ in range(c.times(2, 4, 1.0)):
             keys += [key(c.r(0.35, 0.6), c.r(0.0, 0.3), spine=(lean * c.r(0.7, 1.3), c.r(-0.15, 0.15), c.r(-0.1, 0.1)))]
@@ -141,8 +139,8 @@ _clutch("clutch belly", {"lead": (-0.32, -0.58, 0.32), "off": (-0.36, -0.52, 0.3
 _clutch("clutch head", {"hands": (-0.14, 0.34, 0.14), "elbows": 0.5}, (0.05, 0.5), 0.35)
 
 
-@acted("vomit", group=GROUP, parts=UPPER, counts=(1, 4))
-def vomit(c: Cue) -> list[Key]:
+@keyframed("vomit", group=GROUP, parts=UPPER, counts=(1, 4))
+def vomit(c: Cue) -> list[KeyPose]:
     """Double up with a hand on the belly and retch."""
     keys = [
         key(

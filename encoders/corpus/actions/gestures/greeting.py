@@ -5,24 +5,25 @@ from __future__ import annotations
 import numpy as np
 
 from encoders.corpus.engine.curves import ARMS
-from encoders.corpus.engine.keyframes import REST, Key, back, key
-from encoders.corpus.engine.performance import HANDS, ONE_ARM, SIDED, SIZES, UPPER, Cue, acted, moved
+from encoders.corpus.engine.keyframed_actions import HANDS, ONE_ARM, SIDED, UPPER, Cue, keyframed, moved
+from encoders.corpus.engine.keyframes import REST, KeyPose, back, key
+from encoders.corpus.engine.program import AMPLITUDES
 
 GROUP = "gesture"
 
 
-@acted("salute", group=GROUP, parts=ONE_ARM, sides=SIDED, precise=True, counts=(1, 3))
-def salute(c: Cue) -> list[Key]:
+@keyframed("salute", group=GROUP, parts=ONE_ARM, sides=SIDED, precise=True, counts=(1, 3))
+def salute(c: Cue) -> list[KeyPose]:
     brow = c.about((c.r(-0.12, 0.02), c.r(0.26, 0.36), 0.22), 0.02)
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 1)):
         keys += [key(c.r(0.3, 0.6), c.r(0.5, 1.8), lead=brow, lead_elbow=c.r(0.6, 1.1), spine=(-0.06, 0, 0))]
         keys += [back(c.r(0.35, 0.7))]
     return keys
 
 
-@acted("clap", group=GROUP, parts=ARMS, heights=("middle", "high"), amplitudes=SIZES, counts=(1, 8), weight=2)
-def clap(c: Cue) -> list[Key]:
+@keyframed("clap", group=GROUP, parts=ARMS, heights=("middle", "high"), amplitudes=AMPLITUDES, counts=(1, 8), weight=2)
+def clap(c: Cue) -> list[KeyPose]:
     up = {"high": c.r(0.7, 0.92), "middle": c.r(-0.35, 0.1)}.get(c.step.height, c.r(-0.45, 0.15))
     ahead = c.r(0.3, 0.55) if up < 0.5 else c.r(0.05, 0.25)
     apart, beat = 0.16 * c.size(0.35), c.r(0.11, 0.26)
@@ -34,8 +35,8 @@ def clap(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("shake hands", group=GROUP, parts=ARMS, sides=SIDED, counts=(1, 5))
-def shake_hands(c: Cue) -> list[Key]:
+@keyframed("shake hands", group=GROUP, parts=ARMS, sides=SIDED, counts=(1, 5))
+def shake_hands(c: Cue) -> list[KeyPose]:
     place, beat, depth = c.about((-0.15, -0.38, 0.68), 0.05), c.r(0.14, 0.24), c.r(0.06, 0.14)
     lean = (c.r(0.05, 0.2), 0, 0)
     keys = [key(c.r(0.5, 0.8), 0.15, lead=place, spine=lean)]
@@ -44,8 +45,8 @@ def shake_hands(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("hug", group=GROUP, parts=ARMS)
-def hug(c: Cue) -> list[Key]:
+@keyframed("hug", group=GROUP, parts=ARMS)
+def hug(c: Cue) -> list[KeyPose]:
     up = c.r(-0.2, 0.0)
     return [
         key(c.r(0.5, 0.8), c.r(0.0, 0.3), hands=(0.35, up, 0.75)),
@@ -56,9 +57,9 @@ def hug(c: Cue) -> list[Key]:
     ]  # fmt: skip
 
 
-@acted("blow kiss", group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(1, 3))
-def blow_kiss(c: Cue) -> list[Key]:
-    keys: list[Key] = []
+@keyframed("blow kiss", group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(1, 3))
+def blow_kiss(c: Cue) -> list[KeyPose]:
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 2)):
         keys += [
             key(c.r(0.4, 0.7), 0.2, hand=(-0.27, 0.15, 0.3), head=(0.1, 0, 0)),
@@ -67,12 +68,12 @@ def blow_kiss(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("raise hand", group=GROUP, parts=ONE_ARM, sides=HANDS, heights=("middle", "high"), counts=(1, 3), weight=2)
-def raise_hand(c: Cue) -> list[Key]:
+@keyframed("raise hand", group=GROUP, parts=ONE_ARM, sides=HANDS, heights=("middle", "high"), counts=(1, 3), weight=2)
+def raise_hand(c: Cue) -> list[KeyPose]:
     """Answer or greet with a raised hand: at the shoulder with a bent elbow, or stretched up."""
     high = c.step.height == "high" or (not c.step.height and c.chance(0.5))
     place = c.about((0.1, c.r(0.8, 0.95), 0.15) if high else (c.r(0.05, 0.3), c.r(0.1, 0.4), 0.4), 0.05)
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 1)):
         keys += [key(c.r(0.25, 0.6), c.r(0.3, 1.6), hand=place, head=(c.r(-0.1, 0.1), 0, 0)), back(c.r(0.4, 0.8))]
     return keys
@@ -83,9 +84,9 @@ def _held(
 ) -> None:
     """A gesture whose whole point is one arm pose, held."""
 
-    @acted(name, group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(1, most))
-    def held(c: Cue) -> list[Key]:
-        keys: list[Key] = []
+    @keyframed(name, group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(1, most))
+    def held(c: Cue) -> list[KeyPose]:
+        keys: list[KeyPose] = []
         for _ in range(c.times(1, 1)):
             keys += [key(c.r(0.3, 0.6), c.r(0.5, 1.6), hand=c.about(place, spread), elbow=elbow), back(c.r(0.4, 0.7))]
         return keys
@@ -99,8 +100,8 @@ _held("high five", (0.05, 0.4, 0.68))
 _held("raise fist", (0.1, 0.8, 0.2))
 
 
-@acted("cheer", group=GROUP, parts=UPPER, sides=HANDS, amplitudes=SIZES, counts=(1, 6), weight=2)
-def cheer(c: Cue) -> list[Key]:
+@keyframed("cheer", group=GROUP, parts=UPPER, sides=HANDS, amplitudes=AMPLITUDES, counts=(1, 6), weight=2)
+def cheer(c: Cue) -> list[KeyPose]:
     """Fists thrown up again and again, with a spring of the knees."""
     size, beat = c.size(0.2), c.r(0.22, 0.35)
     top = c.about((c.r(0.05, 0.4), 0.9, 0.15), 0.04)
@@ -112,13 +113,13 @@ def cheer(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("surrender", group=GROUP, parts=ARMS)
-def surrender(c: Cue) -> list[Key]:
+@keyframed("surrender", group=GROUP, parts=ARMS)
+def surrender(c: Cue) -> list[KeyPose]:
     return [key(c.r(0.4, 0.9), c.r(0.8, 2.2), hands=c.about((c.r(0.15, 0.4), c.r(0.3, 0.75), 0.2), 0.05)), back(0.8)]
 
 
-@acted("welcome", group=GROUP, parts=ARMS)
-def welcome(c: Cue) -> list[Key]:
+@keyframed("welcome", group=GROUP, parts=ARMS)
+def welcome(c: Cue) -> list[KeyPose]:
     """Arms opened wide to somebody."""
     wide = c.about((c.r(0.5, 0.8), c.r(-0.35, 0.05), c.r(0.35, 0.6)), 0.05)
     return [
@@ -128,8 +129,8 @@ def welcome(c: Cue) -> list[Key]:
     ]
 
 
-@acted("plead", group=GROUP, parts=ARMS, counts=(2, 5))
-def plead(c: Cue) -> list[Key]:
+@keyframed("plead", group=GROUP, parts=ARMS, counts=(2, 5))
+def plead(c: Cue) -> list[KeyPose]:
     up, beat = c.r(-0.3, -0.05), c.r(0.2, 0.32)
     keys = [key(0.6, hands=(-0.29, up, 0.5), spine=(0.15, 0, 0), head=(-0.1, 0, 0))]
     for _ in range(c.times(2, 4, 2 * beat)):
@@ -137,8 +138,8 @@ def plead(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("fold and nod", group=GROUP, parts=UPPER)
-def fold_and_nod(c: Cue) -> list[Key]:
+@keyframed("fold and nod", group=GROUP, parts=UPPER)
+def fold_and_nod(c: Cue) -> list[KeyPose]:
     """Greet with palms together before the chest and a small bow."""
     return [
         key(0.6, hands=(-0.29, -0.15, 0.38)),

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from encoders.corpus.engine.curves import Array
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import HANDS, ONE_ARM, SIZES, Cue, acted
+from encoders.corpus.engine.keyframed_actions import HANDS, ONE_ARM, Cue, keyframed
+from encoders.corpus.engine.keyframes import KeyPose, back, key
+from encoders.corpus.engine.program import AMPLITUDES
 
 #: How people wave: (name, share). The forearm swings, the wrist alone, the whole arm, or the palm claps up and down.
 _WAYS = (("forearm", 0.42), ("wrist", 0.2), ("arm", 0.2), ("flap", 0.18))
@@ -94,17 +95,17 @@ def _body(c: Cue) -> tuple[dict[str, ArrayLike], dict[str, ArrayLike]]:
     return {"root": (0.0, -0.06, 0.0)}, {"root": (0.0, air, 0.0), "feet": (0.0, air, 0.0)}
 
 
-@acted(
+@keyframed(
     "wave",
     group="gesture",
     parts=ONE_ARM,
     sides=HANDS,
     heights=("middle", "high"),
-    amplitudes=SIZES,
+    amplitudes=AMPLITUDES,
     counts=(2, 8),
     weight=5,
 )
-def wave(c: Cue) -> list[Key]:
+def wave(c: Cue) -> list[KeyPose]:
     """Raise the hand, swing it, let it sink; the other hand is kept somewhere, the body goes along more or less."""
     swing = _swing(c)
     if c.both and c.chance(0.2):
@@ -135,4 +136,4 @@ def wave(c: Cue) -> list[Key]:
     if not c.frames and c.chance(0.15):  # cut while the hand is up
         return keys
     last = back(c.r(0.4, 0.9))
-    return [*keys, Key(last.seconds, c.r(0.0, 0.3), {**last.channels, **idle})]
+    return [*keys, KeyPose(last.seconds, c.r(0.0, 0.3), {**last.channels, **idle})]

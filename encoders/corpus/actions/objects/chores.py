@@ -6,8 +6,9 @@ import numpy as np
 
 from encoders.corpus.actions.objects.everyday import to_and_fro
 from encoders.corpus.engine.curves import ARMS, Array
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import HANDS, ONE_ARM, SIDED, SIZES, UPPER, Cue, acted, grip, moved, orbit
+from encoders.corpus.engine.keyframed_actions import HANDS, ONE_ARM, SIDED, UPPER, Cue, grip, keyframed, moved, orbit
+from encoders.corpus.engine.keyframes import KeyPose, back, key
+from encoders.corpus.engine.program import AMPLITUDES
 
 GROUP = "object"
 
@@ -25,8 +26,8 @@ def _strokes(
 ) -> None:
     """Push and draw a long handle over the floor, `side` across and `fore` ahead (from, to)."""
 
-    @acted(name, group=GROUP, sides=SIDED, counts=(2, 8), amplitudes=SIZES, weight=1.3)
-    def stroke(c: Cue) -> list[Key]:
+    @keyframed(name, group=GROUP, sides=SIDED, counts=(2, 8), amplitudes=AMPLITUDES, weight=1.3)
+    def stroke(c: Cue) -> list[KeyPose]:
         size, beat, lean = c.size(0.25), c.r(*lap), bend * c.r(0.6, 1.5)
         keys = [key(0.6, **_pole(side[0], low, fore[0]), spine=(lean, 0, 0), head=(0.2, 0, 0))]
         for _ in range(c.times(3, 6, 2 * beat)):
@@ -52,10 +53,10 @@ _strokes("vacuum", -0.65, (0.1, 0.0), (0.3, 0.8), 0.25, (0.6, 1.0))
 _strokes("rake", -0.55, (0.15, 0.1), (0.85, 0.3), 0.4, (0.5, 0.8))
 
 
-@acted("dig", group=GROUP, sides=SIDED, counts=(1, 5), weight=1.5)
-def dig(c: Cue) -> list[Key]:
+@keyframed("dig", group=GROUP, sides=SIDED, counts=(1, 5), weight=1.5)
+def dig(c: Cue) -> list[KeyPose]:
     """Drive the spade in, bend, lift it and throw the earth aside."""
-    keys: list[Key] = [key(0.6, **_pole(0.1, -0.5, 0.5), lead_foot=(0, 0, -0.1), off_foot=(0, 0, 0.1))]
+    keys: list[KeyPose] = [key(0.6, **_pole(0.1, -0.5, 0.5), lead_foot=(0, 0, -0.1), off_foot=(0, 0, 0.1))]
     for _ in range(c.times(2, 4, 2.2)):
         keys += [
             key(
@@ -73,8 +74,8 @@ def dig(c: Cue) -> list[Key]:
     return [*keys, back(0.9)]
 
 
-@acted("chop wood", group=GROUP, sides=SIDED, counts=(1, 5))
-def chop_wood(c: Cue) -> list[Key]:
+@keyframed("chop wood", group=GROUP, sides=SIDED, counts=(1, 5))
+def chop_wood(c: Cue) -> list[KeyPose]:
     """An axe in both hands, up over the head and down between the feet."""
     keys = [key(0.6, 0.2, **grip(0.0, -0.6, 0.5, 0.06), feet=(0.08, 0, 0))]
     for _ in range(c.times(2, 4, 1.6)):
@@ -94,8 +95,8 @@ def chop_wood(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-@acted("hammer", group=GROUP, parts=UPPER, sides=SIDED, heights=("low", "middle", "high"), counts=(2, 8))
-def hammer(c: Cue) -> list[Key]:
+@keyframed("hammer", group=GROUP, parts=UPPER, sides=SIDED, heights=("low", "middle", "high"), counts=(2, 8))
+def hammer(c: Cue) -> list[KeyPose]:
     up = c.height(-0.55, -0.3, 0.1)
     hit = c.about((-0.25, up, 0.55), 0.04)
     nail = {"off": (-0.35, up - 0.05, 0.5)} if c.chance(0.7) else {}
@@ -106,23 +107,23 @@ def hammer(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("saw", group=GROUP, parts=UPPER, sides=SIDED, counts=(3, 10))
-def saw(c: Cue) -> list[Key]:
+@keyframed("saw", group=GROUP, parts=UPPER, sides=SIDED, counts=(3, 10))
+def saw(c: Cue) -> list[KeyPose]:
     beat = c.r(0.25, 0.4)
     hold = {"off": (-0.25, -0.55, 0.5), "spine": (0.35, 0, 0), "head": (0.15, 0, 0)}
     there = c.about((-0.1, -0.55, 0.48), 0.04)
     return [*to_and_fro(c, "lead", there, (0.0, -0.08, 0.2), beat, 4, 9, **hold), back(0.8)]
 
 
-@acted("chop food", group=GROUP, parts=ARMS, sides=SIDED, counts=(3, 12), precise=True)
-def chop_food(c: Cue) -> list[Key]:
+@keyframed("chop food", group=GROUP, parts=ARMS, sides=SIDED, counts=(3, 12), precise=True)
+def chop_food(c: Cue) -> list[KeyPose]:
     board = c.about((-0.2, -0.5, 0.5), 0.03)
     hold = {"off": (-0.3, -0.55, 0.5), "head": (0.35, 0, 0)}
     return [*to_and_fro(c, "lead", board, (0.0, 0.07, -0.02), c.r(0.12, 0.2), 5, 12, **hold), back(0.6)]
 
 
-@acted("knead", group=GROUP, parts=UPPER, counts=(2, 8))
-def knead(c: Cue) -> list[Key]:
+@keyframed("knead", group=GROUP, parts=UPPER, counts=(2, 8))
+def knead(c: Cue) -> list[KeyPose]:
     beat = c.r(0.35, 0.55)
     keys = [key(0.6, hands=(-0.22, -0.45, 0.42), head=(0.3, 0, 0), spine=(0.1, 0, 0))]
     for _ in range(c.times(3, 6, 2 * beat)):
@@ -133,8 +134,8 @@ def knead(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("wipe window", group=GROUP, parts=UPPER, sides=HANDS, counts=(2, 8), amplitudes=SIZES, weight=1.5)
-def wipe_window(c: Cue) -> list[Key]:
+@keyframed("wipe window", group=GROUP, parts=UPPER, sides=HANDS, counts=(2, 8), amplitudes=AMPLITUDES, weight=1.5)
+def wipe_window(c: Cue) -> list[KeyPose]:
     """Circles or strokes of a flat hand on an upright pane."""
     size, lap = c.size(0.25), c.r(0.7, 1.3)
     high = c.r(-0.3, 0.5)
@@ -151,8 +152,8 @@ def wipe_window(c: Cue) -> list[Key]:
     return [key(0.6, hand=centre + across, **lean), *move, back(0.7)]
 
 
-@acted("wipe table", group=GROUP, parts=UPPER, sides=HANDS, counts=(2, 8), amplitudes=SIZES, weight=1.3)
-def wipe_table(c: Cue) -> list[Key]:
+@keyframed("wipe table", group=GROUP, parts=UPPER, sides=HANDS, counts=(2, 8), amplitudes=AMPLITUDES, weight=1.3)
+def wipe_table(c: Cue) -> list[KeyPose]:
     size, lap = c.size(0.25), c.r(0.7, 1.3)
     centre = c.about((-0.1, -0.55, 0.6), 0.05)
     across, ahead = np.array([0.3, 0, 0]) * size, np.array([0, 0.02, 0.16]) * size
@@ -161,8 +162,8 @@ def wipe_table(c: Cue) -> list[Key]:
     return [key(0.6, hand=centre + across, **lean), *move, back(0.7)]
 
 
-@acted("paint wall", group=GROUP, parts=UPPER, sides=SIDED, counts=(2, 8))
-def paint_wall(c: Cue) -> list[Key]:
+@keyframed("paint wall", group=GROUP, parts=UPPER, sides=SIDED, counts=(2, 8))
+def paint_wall(c: Cue) -> list[KeyPose]:
     """Long strokes of brush or roller up and down."""
     beat, x = c.r(0.45, 0.8), c.r(-0.2, 0.2)
     keys = [key(0.6, lead=(x, -0.3, 0.65), spine=(0.08, 0, 0))]
@@ -176,8 +177,8 @@ def paint_wall(c: Cue) -> list[Key]:
 
 
 def _scribble(name: str, place: tuple[float, float, float], reach: float, flat: bool) -> None:
-    @acted(name, group=GROUP, parts=ARMS, sides=SIDED, precise=True)
-    def scribble(c: Cue) -> list[Key]:
+    @keyframed(name, group=GROUP, parts=ARMS, sides=SIDED, precise=True)
+    def scribble(c: Cue) -> list[KeyPose]:
         start = c.about(place, 0.04)
         rise = np.array([0.0, 0.0, 1.0]) if flat else np.array([0.0, 1.0, 0.0])
         pad = {"off": (-0.3, place[1] - 0.05, place[2] - 0.02)} if flat else {}
@@ -193,8 +194,8 @@ _scribble("write", (-0.2, -0.45, 0.48), 0.12, True)
 _scribble("write on board", (0.05, 0.2, 0.72), 0.32, False)
 
 
-@acted("type", group=GROUP, parts=ARMS, precise=True)
-def type_keys(c: Cue) -> list[Key]:
+@keyframed("type", group=GROUP, parts=ARMS, precise=True)
+def type_keys(c: Cue) -> list[KeyPose]:
     place = c.about((-0.22, -0.5, 0.5), 0.04)
     keys = [key(0.7, hands=place, head=(c.r(0.0, 0.3), 0, 0))]
     for index in range(c.times(12, 26, 0.15)):
@@ -203,10 +204,10 @@ def type_keys(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("fish", group=GROUP, parts=UPPER, sides=SIDED, counts=(1, 3))
-def fish(c: Cue) -> list[Key]:
+@keyframed("fish", group=GROUP, parts=UPPER, sides=SIDED, counts=(1, 3))
+def fish(c: Cue) -> list[KeyPose]:
     """Cast the line over the shoulder, wait, wind it in."""
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 1)):
         keys += [
             key(0.5, **grip(0.05, -0.4, 0.5)),
@@ -218,10 +219,10 @@ def fish(c: Cue) -> list[Key]:
     return keys
 
 
-@acted("swat", group=GROUP, parts=UPPER, sides=HANDS, counts=(1, 6))
-def swat(c: Cue) -> list[Key]:
+@keyframed("swat", group=GROUP, parts=UPPER, sides=HANDS, counts=(1, 6))
+def swat(c: Cue) -> list[KeyPose]:
     """Strike at flies here and there around the head."""
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(2, 5, 0.6)):
         start = c.about((c.r(-0.3, 0.4), c.r(0.0, 0.5), 0.5), 0.05)
         turn = c.r(-0.4, 0.4)
@@ -232,8 +233,8 @@ def swat(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("use scissors", group=GROUP, parts=ARMS, sides=SIDED, counts=(2, 8), precise=True)
-def use_scissors(c: Cue) -> list[Key]:
+@keyframed("use scissors", group=GROUP, parts=ARMS, sides=SIDED, counts=(2, 8), precise=True)
+def use_scissors(c: Cue) -> list[KeyPose]:
     place, beat = c.about((-0.25, -0.3, 0.5), 0.04), c.r(0.2, 0.32)
     keys = [key(0.6, lead=place, off=moved(place, -0.1, 0.02, 0.05), head=(0.3, 0, 0))]
     for index in range(c.times(3, 6, 2 * beat)):
@@ -244,10 +245,10 @@ def use_scissors(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("shovel snow", group=GROUP, sides=SIDED, counts=(1, 4))
-def shovel_snow(c: Cue) -> list[Key]:
+@keyframed("shovel snow", group=GROUP, sides=SIDED, counts=(1, 4))
+def shovel_snow(c: Cue) -> list[KeyPose]:
     """Push the shovel ahead with a step, lift and toss over the shoulder."""
-    keys: list[Key] = [key(0.5, **_pole(0.1, -0.6, 0.45))]
+    keys: list[KeyPose] = [key(0.5, **_pole(0.1, -0.6, 0.45))]
     for _ in range(c.times(1, 3)):
         keys += [
             key(
@@ -265,8 +266,8 @@ def shovel_snow(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-@acted("iron", group=GROUP, parts=ONE_ARM, sides=SIDED, counts=(2, 8))
-def iron(c: Cue) -> list[Key]:
+@keyframed("iron", group=GROUP, parts=ONE_ARM, sides=SIDED, counts=(2, 8))
+def iron(c: Cue) -> list[KeyPose]:
     return [
         *to_and_fro(
             c, "lead", c.about((0.0, -0.55, 0.55), 0.04), (0.25, 0.0, 0.05), c.r(0.4, 0.7), 3, 7, head=(0.3, 0, 0)

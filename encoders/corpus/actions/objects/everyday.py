@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from encoders.corpus.engine.curves import ARMS
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import HANDS, ONE_ARM, SIDED, UPPER, Cue, acted, moved
+from encoders.corpus.engine.keyframed_actions import HANDS, MOUTH, ONE_ARM, SIDED, UPPER, Cue, keyframed, moved
+from encoders.corpus.engine.keyframes import KeyPose, back, key
 
 GROUP = "object"
-MOUTH = (-0.25, 0.14, 0.34)
 
 
 def to_and_fro(
@@ -24,7 +23,7 @@ def to_and_fro(
     low: int,
     high: int,
     **others: ArrayLike,
-) -> list[Key]:
+) -> list[KeyPose]:
     """Go to a place and move there to and fro by plus and minus `stroke`; `others` belong to the first pose."""
     place, half = np.asarray(place, np.float64), np.asarray(stroke, np.float64)
     keys = [key(c.r(0.5, 0.8), **{channel: place}, **others)]
@@ -33,8 +32,8 @@ def to_and_fro(
     return keys
 
 
-@acted("drink", group=GROUP, parts=ARMS, sides=HANDS, counts=(1, 4), weight=2)
-def drink(c: Cue) -> list[Key]:
+@keyframed("drink", group=GROUP, parts=ARMS, sides=HANDS, counts=(1, 4), weight=2)
+def drink(c: Cue) -> list[KeyPose]:
     """Glass from the belly to the mouth, head and glass tilted back, down again."""
     hold, lips = c.about((-0.2, -0.4, 0.5), 0.05), c.about(MOUTH, 0.02)
     keys = [key(c.r(0.5, 0.8), c.r(0.1, 0.5), hand=hold, elbow=0.0)]
@@ -48,9 +47,9 @@ def drink(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("eat", group=GROUP, parts=ARMS, sides=HANDS, counts=(1, 6), weight=1.5)
-def eat(c: Cue) -> list[Key]:
-    plate, keys = c.about((-0.22, -0.48, 0.48), 0.04), list[Key]()
+@keyframed("eat", group=GROUP, parts=ARMS, sides=HANDS, counts=(1, 6), weight=1.5)
+def eat(c: Cue) -> list[KeyPose]:
+    plate, keys = c.about((-0.22, -0.48, 0.48), 0.04), list[KeyPose]()
     bowl = {"off": (-0.3, -0.38, 0.42)} if not c.both and c.chance(0.4) else {}
     keys = [key(0.6, 0.2, hand=plate, **bowl, head=(0.25, 0, 0))]
     for _ in range(c.times(2, 4, 1.5)):
@@ -61,8 +60,8 @@ def eat(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("pour", group=GROUP, parts=ARMS, sides=SIDED, counts=(1, 3), precise=True)
-def pour(c: Cue) -> list[Key]:
+@keyframed("pour", group=GROUP, parts=ARMS, sides=SIDED, counts=(1, 3), precise=True)
+def pour(c: Cue) -> list[KeyPose]:
     cup, bottle = c.about((-0.32, -0.45, 0.5), 0.03), c.about((-0.05, -0.3, 0.5), 0.03)
     keys = [key(0.6, 0.2, lead=bottle, off=cup, head=(0.3, 0, 0))]
     for _ in range(c.times(1, 2)):
@@ -73,8 +72,8 @@ def pour(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("unscrew cap", group=GROUP, parts=ARMS, sides=SIDED, counts=(2, 6), precise=True)
-def unscrew_cap(c: Cue) -> list[Key]:
+@keyframed("unscrew cap", group=GROUP, parts=ARMS, sides=SIDED, counts=(2, 6), precise=True)
+def unscrew_cap(c: Cue) -> list[KeyPose]:
     bottle, beat = c.about((-0.32, -0.4, 0.42), 0.03), c.r(0.18, 0.28)
     top = moved(bottle, 0.03, 0.12, 0)
     keys = [key(0.6, 0.1, off=bottle, lead=top, head=(0.25, 0, 0))]
@@ -86,8 +85,8 @@ def unscrew_cap(c: Cue) -> list[Key]:
     return [*keys, key(0.3, lead=moved(top, 0.25, 0.05, 0)), back(0.6)]
 
 
-@acted("shake bottle", group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(3, 8))
-def shake_bottle(c: Cue) -> list[Key]:
+@keyframed("shake bottle", group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(3, 8))
+def shake_bottle(c: Cue) -> list[KeyPose]:
     up = c.r(0.06, 0.15)
     return [
         *to_and_fro(c, "hand", c.about((-0.1, -0.2, 0.5), 0.06), (0, up, 0.4 * up), c.r(0.1, 0.16), 4, 10),
@@ -106,8 +105,8 @@ def _rubbed(
 ) -> None:
     """Rub or brush a place of the own body with one hand or both."""
 
-    @acted(name, group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(2, 8), precise=True)
-    def rubbed(c: Cue) -> list[Key]:
+    @keyframed(name, group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(2, 8), precise=True)
+    def rubbed(c: Cue) -> list[KeyPose]:
         size = c.size(0.3)
         moves = [s * size for s in stroke]
         pose: dict[str, ArrayLike] = {"elbow": elbow * c.r(0.5, 1.5), "head": (nod, c.r(-0.1, 0.1), 0)}
@@ -127,8 +126,8 @@ _rubbed("pound chest", (-0.25, -0.22, 0.34), (0.04, 0.02, 0.12), (0.11, 0.18))
 _rubbed("fan oneself", (-0.1, 0.0, 0.42), (0.12, 0.02, -0.05), (0.12, 0.2))
 
 
-@acted("wash hands", group=GROUP, parts=ARMS, counts=(3, 8), precise=True)
-def wash_hands(c: Cue) -> list[Key]:
+@keyframed("wash hands", group=GROUP, parts=ARMS, counts=(3, 8), precise=True)
+def wash_hands(c: Cue) -> list[KeyPose]:
     place, beat = c.about((-0.27, -0.5, 0.5), 0.04), c.r(0.15, 0.28)
     keys = [key(0.6, hands=place, spine=(0.2, 0, 0), head=(0.3, 0, 0))]
     for _ in range(c.times(4, 8, 2 * beat)):
@@ -140,8 +139,8 @@ def wash_hands(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("wash body", group=GROUP, parts=UPPER, sides=SIDED, counts=(2, 6), precise=True)
-def wash_body(c: Cue) -> list[Key]:
+@keyframed("wash body", group=GROUP, parts=UPPER, sides=SIDED, counts=(2, 6), precise=True)
+def wash_body(c: Cue) -> list[KeyPose]:
     """The leading hand soaps the other arm, the chest and the neck."""
     spots = ((-0.75, -0.35, 0.4), (-0.7, -0.05, 0.3), (-0.3, -0.3, 0.3), (-0.2, 0.1, 0.2), (-0.3, -0.6, 0.32))
     keys = [key(0.5, off=(-0.1, -0.4, 0.55))]
@@ -152,8 +151,8 @@ def wash_body(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("tie shoe", group=GROUP, sides=SIDED, precise=True)
-def tie_shoe(c: Cue) -> list[Key]:
+@keyframed("tie shoe", group=GROUP, sides=SIDED, precise=True)
+def tie_shoe(c: Cue) -> list[KeyPose]:
     """Kneel or bend to a foot and work at it with both hands."""
     kneel = {
         "root": (0, -0.45, -0.12), "off_foot": (0.02, 0.04, -0.4), "off_toes": -0.8, "spine": (0.75, 0, 0),
@@ -171,8 +170,8 @@ def tie_shoe(c: Cue) -> list[Key]:
     return [*keys, back(1.0)]
 
 
-@acted("put on hat", group=GROUP, parts=ONE_ARM, sides=HANDS, precise=True)
-def put_on_hat(c: Cue) -> list[Key]:
+@keyframed("put on hat", group=GROUP, parts=ONE_ARM, sides=HANDS, precise=True)
+def put_on_hat(c: Cue) -> list[KeyPose]:
     return [
         key(0.5, 0.1, hand=(-0.2, -0.3, 0.5)),
         key(c.r(0.6, 0.9), hand=(-0.16, 0.75, 0.2)),
@@ -181,8 +180,8 @@ def put_on_hat(c: Cue) -> list[Key]:
     ]
 
 
-@acted("take off hat", group=GROUP, parts=ONE_ARM, sides=HANDS, precise=True)
-def take_off_hat(c: Cue) -> list[Key]:
+@keyframed("take off hat", group=GROUP, parts=ONE_ARM, sides=HANDS, precise=True)
+def take_off_hat(c: Cue) -> list[KeyPose]:
     return [
         key(c.r(0.5, 0.8), 0.15, hand=(-0.15, 0.5, 0.14)),
         key(0.3, hand=(-0.12, 0.75, 0.25)),
@@ -193,8 +192,8 @@ def take_off_hat(c: Cue) -> list[Key]:
     ]
 
 
-@acted("put on jacket", group=GROUP, parts=UPPER, sides=SIDED)
-def put_on_jacket(c: Cue) -> list[Key]:
+@keyframed("put on jacket", group=GROUP, parts=UPPER, sides=SIDED)
+def put_on_jacket(c: Cue) -> list[KeyPose]:
     """One arm into its sleeve, then the other, then settle it in front."""
     return [
         key(0.6, hands=(-0.2, -0.2, 0.5)),
@@ -208,8 +207,8 @@ def put_on_jacket(c: Cue) -> list[Key]:
     ]
 
 
-@acted("take off jacket", group=GROUP, parts=UPPER, sides=SIDED)
-def take_off_jacket(c: Cue) -> list[Key]:
+@keyframed("take off jacket", group=GROUP, parts=UPPER, sides=SIDED)
+def take_off_jacket(c: Cue) -> list[KeyPose]:
     return [
         key(0.6, hands=(-0.22, -0.15, 0.32)),
         key(0.4, hands=(0.2, -0.05, 0.15), shrugs=0.25),
@@ -220,8 +219,8 @@ def take_off_jacket(c: Cue) -> list[Key]:
     ]
 
 
-@acted("take off shirt", group=GROUP, parts=UPPER)
-def take_off_shirt(c: Cue) -> list[Key]:
+@keyframed("take off shirt", group=GROUP, parts=UPPER)
+def take_off_shirt(c: Cue) -> list[KeyPose]:
     return [
         key(0.6, 0.1, lead=(-0.6, -0.65, 0.33), off=(-0.58, -0.68, 0.36), spine=(0.15, 0, 0), head=(0.2, 0, 0)),
         key(0.6, lead=(-0.35, 0.3, 0.35), off=(-0.35, 0.28, 0.38), elbows=0.8, spine=(0.2, 0, 0)),
@@ -231,8 +230,8 @@ def take_off_shirt(c: Cue) -> list[Key]:
     ]
 
 
-@acted("zip up", group=GROUP, parts=ARMS, sides=SIDED, precise=True)
-def zip_up(c: Cue) -> list[Key]:
+@keyframed("zip up", group=GROUP, parts=ARMS, sides=SIDED, precise=True)
+def zip_up(c: Cue) -> list[KeyPose]:
     return [
         key(0.6, c.r(0.2, 0.6), lead=(-0.3, -0.72, 0.33), off=(-0.34, -0.76, 0.33), head=(0.35, 0, 0)),
         key(c.r(0.5, 0.9), 0.1, lead=(-0.33, -0.02, 0.3), head=(0, 0, 0)),
@@ -240,8 +239,8 @@ def zip_up(c: Cue) -> list[Key]:
     ]
 
 
-@acted("smoke", group=GROUP, parts=ARMS, sides=SIDED, counts=(1, 4), precise=True)
-def smoke(c: Cue) -> list[Key]:
+@keyframed("smoke", group=GROUP, parts=ARMS, sides=SIDED, counts=(1, 4), precise=True)
+def smoke(c: Cue) -> list[KeyPose]:
     rest = c.about((0.0, -0.6, 0.4), 0.08)
     keys = [key(0.5, 0.2, lead=rest)]
     for _ in range(c.times(1, 3)):
@@ -252,10 +251,10 @@ def smoke(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("fold clothes", group=GROUP, parts=UPPER, counts=(1, 4))
-def fold_clothes(c: Cue) -> list[Key]:
+@keyframed("fold clothes", group=GROUP, parts=UPPER, counts=(1, 4))
+def fold_clothes(c: Cue) -> list[KeyPose]:
     """Hold a cloth out, bring the hands together, smooth it down."""
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 3)):
         keys += [
             key(c.r(0.4, 0.7), 0.1, hands=(0.15, -0.2, 0.6)),
@@ -266,14 +265,14 @@ def fold_clothes(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("shake off hands", group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(2, 8))
-def shake_off_hands(c: Cue) -> list[Key]:
+@keyframed("shake off hands", group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(2, 8))
+def shake_off_hands(c: Cue) -> list[KeyPose]:
     place = c.about((c.r(-0.1, 0.2), c.r(-0.65, -0.35), 0.45), 0.04)
     return [*to_and_fro(c, "hand", place, (0.03, 0.09, 0.03), c.r(0.09, 0.14), 4, 10), back(0.5)]
 
 
-@acted("water plants", group=GROUP, parts=UPPER, sides=SIDED, precise=True)
-def water_plants(c: Cue) -> list[Key]:
+@keyframed("water plants", group=GROUP, parts=UPPER, sides=SIDED, precise=True)
+def water_plants(c: Cue) -> list[KeyPose]:
     """A can in one hand, tipped and moved along."""
     keys = [key(0.6, 0.2, lead=(-0.05, -0.5, 0.45))]
     for _ in range(c.times(2, 4, 1.6)):

@@ -6,14 +6,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from encoders.corpus.engine.curves import ARMS
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import ONE_ARM, SIDED, SIZES, UPPER, Cue, acted, moved, orbit
+from encoders.corpus.engine.keyframed_actions import ONE_ARM, SIDED, UPPER, Cue, keyframed, moved, orbit
+from encoders.corpus.engine.keyframes import KeyPose, back, key
+from encoders.corpus.engine.program import AMPLITUDES
 
 GROUP = "object"
 
 
-@acted("pull rope", group=GROUP, directions=("down",), counts=(2, 8), weight=1.5)
-def pull_rope(c: Cue) -> list[Key]:
+@keyframed("pull rope", group=GROUP, directions=("down",), counts=(2, 8), weight=1.5)
+def pull_rope(c: Cue) -> list[KeyPose]:
     """Hand over hand, towards the body, or down from above."""
     down = c.step.direction == "down" or (not c.step.direction and c.chance(0.3))
     far, near = ((-0.3, 0.85, 0.3), (-0.3, -0.15, 0.4)) if down else ((-0.3, -0.15, 0.9), (-0.2, -0.35, 0.3))
@@ -26,8 +27,8 @@ def pull_rope(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("tug", group=GROUP, counts=(1, 5))
-def tug(c: Cue) -> list[Key]:
+@keyframed("tug", group=GROUP, counts=(1, 5))
+def tug(c: Cue) -> list[KeyPose]:
     """Lean back on a rope with both hands, jerk by jerk."""
     keys = [
         key(0.6, lead=(-0.3, -0.3, 0.75), off=(-0.25, -0.35, 0.55), lead_foot=(0.03, 0, -0.3), root=(0, -0.1, -0.1))
@@ -40,8 +41,8 @@ def tug(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-@acted("climb rope", group=GROUP, parts=UPPER, counts=(2, 8))
-def climb_rope(c: Cue) -> list[Key]:
+@keyframed("climb rope", group=GROUP, parts=UPPER, counts=(2, 8))
+def climb_rope(c: Cue) -> list[KeyPose]:
     beat, keys = c.r(0.35, 0.6), [key(0.6, lead=(-0.28, 0.9, 0.25), off=(-0.28, 0.1, 0.35), head=(-0.4, 0, 0))]
     for _ in range(c.times(2, 4, 2 * beat)):
         keys += [
@@ -51,8 +52,8 @@ def climb_rope(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("open door", group=GROUP, parts=UPPER, sides=SIDED, weight=1.5)
-def open_door(c: Cue) -> list[Key]:
+@keyframed("open door", group=GROUP, parts=UPPER, sides=SIDED, weight=1.5)
+def open_door(c: Cue) -> list[KeyPose]:
     """Take the handle, turn it, pull or push the door."""
     handle = c.about((-0.1, -0.42, 0.7), 0.04)
     swung = (0.45, -0.45, 0.3) if c.chance(0.5) else (0.3, -0.4, 0.88)
@@ -64,8 +65,8 @@ def open_door(c: Cue) -> list[Key]:
     ]
 
 
-@acted("close door", group=GROUP, parts=UPPER, sides=SIDED)
-def close_door(c: Cue) -> list[Key]:
+@keyframed("close door", group=GROUP, parts=UPPER, sides=SIDED)
+def close_door(c: Cue) -> list[KeyPose]:
     return [
         key(c.r(0.5, 0.7), 0.1, lead=(0.5, -0.42, 0.3), head=(0, 0, 0.3)),
         key(c.r(0.5, 0.9), c.r(0.1, 0.4), lead=(-0.2, -0.4, 0.85), spine=(0.1, 0, -0.2), head=(0, 0, 0)),
@@ -73,8 +74,8 @@ def close_door(c: Cue) -> list[Key]:
     ]
 
 
-@acted("knock", group=GROUP, parts=ONE_ARM, sides=SIDED, counts=(2, 6))
-def knock(c: Cue) -> list[Key]:
+@keyframed("knock", group=GROUP, parts=ONE_ARM, sides=SIDED, counts=(2, 6))
+def knock(c: Cue) -> list[KeyPose]:
     place, beat = c.about((-0.15, 0.05, 0.6), 0.04), c.r(0.1, 0.17)
     keys = [key(0.5, lead=place)]
     for _ in range(c.times(2, 5, 2 * beat)):
@@ -82,8 +83,8 @@ def knock(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("press button", group=GROUP, parts=ONE_ARM, sides=SIDED, counts=(1, 5))
-def press_button(c: Cue) -> list[Key]:
+@keyframed("press button", group=GROUP, parts=ONE_ARM, sides=SIDED, counts=(1, 5))
+def press_button(c: Cue) -> list[KeyPose]:
     place = c.about((-0.15, c.r(-0.3, 0.1), 0.65), 0.05)
     keys = [key(0.5, lead=place)]
     for _ in range(c.times(1, 3)):
@@ -91,17 +92,17 @@ def press_button(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("turn knob", group=GROUP, parts=ONE_ARM, sides=SIDED, counts=(1, 5))
-def turn_knob(c: Cue) -> list[Key]:
-    place, keys = c.about((-0.15, -0.3, 0.6), 0.05), list[Key]()
+@keyframed("turn knob", group=GROUP, parts=ONE_ARM, sides=SIDED, counts=(1, 5))
+def turn_knob(c: Cue) -> list[KeyPose]:
+    place, keys = c.about((-0.15, -0.3, 0.6), 0.05), list[KeyPose]()
     keys = [key(0.6, 0.1, lead=place, lead_elbow=0.0)]
     for _ in range(c.times(1, 3)):
         keys += [key(0.3, 0.1, lead=moved(place, 0.06, 0.02, 0), lead_elbow=0.7), key(0.3, lead=place, lead_elbow=-0.1)]
     return [*keys, back(0.6)]
 
 
-@acted("drive", group=GROUP, parts=UPPER, directions=SIDED, counts=(1, 5), weight=1.2)
-def drive(c: Cue) -> list[Key]:
+@keyframed("drive", group=GROUP, parts=UPPER, directions=SIDED, counts=(1, 5), weight=1.2)
+def drive(c: Cue) -> list[KeyPose]:
     """Both hands on a wheel that turns one way and the other."""
     centre, wheel = np.array([0.0, -0.25, 0.62]), c.r(0.3, 0.42)
 
@@ -120,18 +121,18 @@ def drive(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("feel wall", group=GROUP, parts=UPPER, counts=(2, 6))
-def feel_wall(c: Cue) -> list[Key]:
+@keyframed("feel wall", group=GROUP, parts=UPPER, counts=(2, 6))
+def feel_wall(c: Cue) -> list[KeyPose]:
     """Mime a wall: flat hands set against it, here and there."""
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(3, 6, 0.8)):
         spots = [(c.r(-0.3, 0.25), c.r(-0.3, 0.45), 0.68) for _ in range(2)]
         keys += [key(c.r(0.25, 0.45), c.r(0.1, 0.4), lead=spots[0]), key(c.r(0.25, 0.45), c.r(0.1, 0.4), off=spots[1])]
     return [*keys, back(0.7)]
 
 
-@acted("pet animal", group=GROUP, sides=SIDED, counts=(2, 6))
-def pet_animal(c: Cue) -> list[Key]:
+@keyframed("pet animal", group=GROUP, sides=SIDED, counts=(2, 6))
+def pet_animal(c: Cue) -> list[KeyPose]:
     squat = {"root": (0, -c.r(0.2, 0.42), -0.1), "pelvis": (0.35, 0, 0), "spine": (0.4, 0, 0), "head": (0.1, 0, 0)}
     beat = c.r(0.35, 0.55)
     keys = [key(0.8, 0.1, **squat, lead_reach=(0.05, 0.55, 0.35))]
@@ -140,8 +141,8 @@ def pet_animal(c: Cue) -> list[Key]:
     return [*keys, back(0.9)]
 
 
-@acted("stir", group=GROUP, parts=ARMS, sides=SIDED, counts=(2, 8), amplitudes=SIZES, weight=1.5)
-def stir(c: Cue) -> list[Key]:
+@keyframed("stir", group=GROUP, parts=ARMS, sides=SIDED, counts=(2, 8), amplitudes=AMPLITUDES, weight=1.5)
+def stir(c: Cue) -> list[KeyPose]:
     """Round and round in a pot that the other hand may hold."""
     lap, radius = c.r(0.7, 1.3), 0.12 * c.size(0.3)
     centre = c.about((-0.2, -0.45, 0.5), 0.04)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from encoders.corpus.engine.curves import ARMS
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import HANDS, ONE_ARM, SIDED, UPPER, Cue, acted
+from encoders.corpus.engine.keyframed_actions import HANDS, ONE_ARM, SIDED, UPPER, Cue, keyframed
+from encoders.corpus.engine.keyframes import KeyPose, back, key
+from encoders.corpus.engine.program import HEIGHTS
 
 GROUP = "object"
 
 
-LEVELS = ("low", "middle", "high")
 HELD = (-0.22, -0.42, 0.45)  #: both hands on a box before the belly
 
 
@@ -53,9 +53,9 @@ def _level(c: Cue) -> str:
     return c.step.height or ("low", "low", "middle")[int(c.rng.integers(3))]
 
 
-@acted("pick up", group=GROUP, sides=HANDS, heights=LEVELS, counts=(1, 3), weight=3)
-def pick_up(c: Cue) -> list[Key]:
-    keys: list[Key] = []
+@keyframed("pick up", group=GROUP, sides=HANDS, heights=HEIGHTS, counts=(1, 3), weight=3)
+def pick_up(c: Cue) -> list[KeyPose]:
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 1)):
         body, hands = _at(c, _level(c))
         hand = "hands" if "reaches" in hands else "lead"
@@ -68,8 +68,8 @@ def pick_up(c: Cue) -> list[Key]:
     return keys if c.chance(0.5) else keys[:-1]
 
 
-@acted("put down", group=GROUP, sides=HANDS, heights=LEVELS, weight=2)
-def put_down(c: Cue) -> list[Key]:
+@keyframed("put down", group=GROUP, sides=HANDS, heights=HEIGHTS, weight=2)
+def put_down(c: Cue) -> list[KeyPose]:
     body, hands = _at(c, _level(c))
     hand = "hands" if "reaches" in hands else "lead"
     return [
@@ -79,8 +79,8 @@ def put_down(c: Cue) -> list[Key]:
     ]
 
 
-@acted("move object", group=GROUP, sides=HANDS, directions=SIDED, heights=LEVELS, counts=(1, 3), weight=2)
-def move_object(c: Cue) -> list[Key]:
+@keyframed("move object", group=GROUP, sides=HANDS, directions=SIDED, heights=HEIGHTS, counts=(1, 3), weight=2)
+def move_object(c: Cue) -> list[KeyPose]:
     """Take something on one side and set it down on the other; the direction is where it ends."""
     way = c.toward or 1.0
     two = c.both or not c.step.side
@@ -91,7 +91,7 @@ def move_object(c: Cue) -> list[Key]:
         one: dict[str, ArrayLike] = {"lead": (x - 0.25, y, ahead)}
         return one | {"off": (-x - 0.25, y, ahead)} if two else one
 
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 1)):
         keys += [
             key(c.r(0.6, 0.9), 0.2, **hold(-way * out, up), spine=(0.2, 0, -0.5 * way), head=(0.2, 0, -0.4 * way)),
@@ -102,11 +102,11 @@ def move_object(c: Cue) -> list[Key]:
     return keys
 
 
-@acted("lift", group=GROUP, heights=("middle", "high"), counts=(1, 3), weight=1.5)
-def lift(c: Cue) -> list[Key]:
+@keyframed("lift", group=GROUP, heights=("middle", "high"), counts=(1, 3), weight=1.5)
+def lift(c: Cue) -> list[KeyPose]:
     """Something heavy, from the floor to the waist or over the head."""
     high = c.step.height == "high" or (not c.step.height and c.chance(0.4))
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 1)):
         squat = {
             "root": (0, -c.r(0.3, 0.45), -0.12),
@@ -133,8 +133,8 @@ def _held(name: str, places: dict[str, ArrayLike], sides: tuple[str, ...] = (), 
     """Hold something in a way that goes with standing or walking."""
     parts = ONE_ARM if sides else ARMS
 
-    @acted(name, group=GROUP, parts=parts, sides=sides, weight=weight)
-    def held(c: Cue) -> list[Key]:
+    @keyframed(name, group=GROUP, parts=parts, sides=sides, weight=weight)
+    def held(c: Cue) -> list[KeyPose]:
         shaken = {part: c.about(place, 0.07) for part, place in places.items()}
         keys = [key(c.r(0.5, 0.9), c.r(1.2, 3.0), **shaken, spine=(c.r(-0.12, 0.02), 0, 0))]
         return [*keys, back(0.7)] if c.chance(0.6) else keys
@@ -152,10 +152,10 @@ _held("use binoculars", {"hands": (-0.25, 0.24, 0.3), "elbows": 0.8})
 _held("take photo", {"hands": (-0.2, 0.2, 0.45), "elbows": 0.2})
 
 
-@acted("push", group=GROUP, sides=HANDS, heights=LEVELS, counts=(1, 3), weight=2)
-def push(c: Cue) -> list[Key]:
+@keyframed("push", group=GROUP, sides=HANDS, heights=HEIGHTS, counts=(1, 3), weight=2)
+def push(c: Cue) -> list[KeyPose]:
     up, deep = c.height(-0.45, -0.15, 0.15), c.r(0.2, 0.5)
-    hand, keys = "hand" if c.step.side else "hands", list[Key]()
+    hand, keys = "hand" if c.step.side else "hands", list[KeyPose]()
     for _ in range(c.times(1, 2)):
         keys += [
             key(c.r(0.4, 0.6), c.r(0.1, 0.3), **{hand: (-0.12, up - 0.05, 0.42)}, off_foot=(0, 0, deep),
@@ -167,10 +167,10 @@ def push(c: Cue) -> list[Key]:
     return [*keys, back(c.r(0.6, 0.9))]
 
 
-@acted("pull", group=GROUP, sides=HANDS, heights=LEVELS, counts=(1, 4), weight=2)
-def pull(c: Cue) -> list[Key]:
+@keyframed("pull", group=GROUP, sides=HANDS, heights=HEIGHTS, counts=(1, 4), weight=2)
+def pull(c: Cue) -> list[KeyPose]:
     up, deep = c.height(-0.55, -0.25, 0.1), c.r(0.15, 0.4)
-    hand, keys = "hand" if c.step.side else "hands", list[Key]()
+    hand, keys = "hand" if c.step.side else "hands", list[KeyPose]()
     for _ in range(c.times(1, 3)):
         keys += [
             key(c.r(0.4, 0.6), c.r(0.1, 0.2), **{hand: (-0.2, up, 0.92)}, spine=(0.2, 0, 0), root=(0, -0.03, 0.05)),
@@ -181,13 +181,13 @@ def pull(c: Cue) -> list[Key]:
     return [*keys, back(c.r(0.6, 0.9))]
 
 
-@acted("reach", group=GROUP, parts=UPPER, sides=HANDS, directions=("up", "forward", "left", "right"), counts=(1, 4))
-def reach(c: Cue) -> list[Key]:
+@keyframed("reach", group=GROUP, parts=UPPER, sides=HANDS, directions=("up", "forward", "left", "right"), counts=(1, 4))
+def reach(c: Cue) -> list[KeyPose]:
     """Stretch out for something, up by default, often on the toes."""
     direction = c.step.direction or "up"
     place = {"up": (-0.05, 0.97, 0.2), "forward": (-0.15, 0.0, 0.98)}.get(direction, (0.95, 0.15, 0.2))
     lean = {"up": (-0.05, -0.1, 0), "forward": (0.3, 0, -0.3)}.get(direction, (0.05, 0.25, 0.2))
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 2)):
         keys += [
             key(c.r(0.5, 0.9), c.r(0.3, 1.0), hand=c.about(place, 0.04), spine=lean, shrugs=0.1,

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from encoders.corpus.engine.curves import ARMS
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import SIDED, SIZES, UPPER, Cue, acted, moved
+from encoders.corpus.engine.keyframed_actions import SIDED, UPPER, Cue, keyframed, moved
+from encoders.corpus.engine.keyframes import KeyPose, back, key
+from encoders.corpus.engine.program import AMPLITUDES
 
 GROUP = "object"
 
 
-@acted("play guitar", group=GROUP, parts=ARMS, sides=SIDED, amplitudes=SIZES, counts=(3, 12), weight=1.5)
-def play_guitar(c: Cue) -> list[Key]:
+@keyframed("play guitar", group=GROUP, parts=ARMS, sides=SIDED, amplitudes=AMPLITUDES, counts=(3, 12), weight=1.5)
+def play_guitar(c: Cue) -> list[KeyPose]:
     """One hand strums before the belly, the other holds the neck out at the side."""
     size, beat, groove = c.size(0.25), c.r(0.16, 0.32), c.r(0.0, 0.12)
     strings, neck = c.about((-0.3, -0.5, 0.34), 0.02), c.about((0.3, c.r(-0.4, -0.1), 0.5), 0.04)
@@ -35,8 +36,8 @@ def play_guitar(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("play violin", group=GROUP, parts=ARMS, sides=SIDED, counts=(2, 8), weight=1.3, precise=True)
-def play_violin(c: Cue) -> list[Key]:
+@keyframed("play violin", group=GROUP, parts=ARMS, sides=SIDED, counts=(2, 8), weight=1.3, precise=True)
+def play_violin(c: Cue) -> list[KeyPose]:
     """The leading hand bows before the chest; the other holds the neck out from the chin."""
     beat = c.r(0.3, 0.7)
     keys = [
@@ -57,8 +58,8 @@ def play_violin(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("play piano", group=GROUP, parts=ARMS, weight=1.2)
-def play_piano(c: Cue) -> list[Key]:
+@keyframed("play piano", group=GROUP, parts=ARMS, weight=1.2)
+def play_piano(c: Cue) -> list[KeyPose]:
     """The hands wander along the keys with small strokes."""
     keys = [key(0.7, hands=(-0.15, -0.45, 0.55), head=(0.2, 0, 0))]
     for _ in range(c.times(8, 18, 0.4)):
@@ -71,8 +72,8 @@ def play_piano(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("play drums", group=GROUP, parts=UPPER, amplitudes=SIZES, counts=(4, 12), weight=1.2)
-def play_drums(c: Cue) -> list[Key]:
+@keyframed("play drums", group=GROUP, parts=UPPER, amplitudes=AMPLITUDES, counts=(4, 12), weight=1.2)
+def play_drums(c: Cue) -> list[KeyPose]:
     size, beat = c.size(0.25), c.r(0.13, 0.24)
     drum = {"lead": c.about((0.0, -0.45, 0.55), 0.05), "off": c.about((-0.05, -0.45, 0.55), 0.05)}
     rise = 0.28 * size
@@ -91,8 +92,8 @@ def play_drums(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("play trumpet", group=GROUP, parts=UPPER, precise=True)
-def play_trumpet(c: Cue) -> list[Key]:
+@keyframed("play trumpet", group=GROUP, parts=UPPER, precise=True)
+def play_trumpet(c: Cue) -> list[KeyPose]:
     keys = [key(0.7, lead=(-0.25, 0.08, 0.5), off=(-0.3, 0.04, 0.42), elbows=0.4, spine=(-0.1, 0, 0))]
     for _ in range(c.times(2, 5, 0.9)):
         keys += [
@@ -102,8 +103,8 @@ def play_trumpet(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("play flute", group=GROUP, parts=ARMS, sides=SIDED, precise=True)
-def play_flute(c: Cue) -> list[Key]:
+@keyframed("play flute", group=GROUP, parts=ARMS, sides=SIDED, precise=True)
+def play_flute(c: Cue) -> list[KeyPose]:
     keys = [key(0.7, lead=(0.15, 0.12, 0.4), off=(-0.5, 0.12, 0.4), elbows=0.3, head=(0.05, 0.1, -0.3))]
     for _ in range(c.times(2, 5, 0.9)):
         keys += [key(0.4, spine=(0, 0.06, 0.08)), key(0.4, spine=(0, -0.06, -0.05))]

@@ -5,20 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from encoders.corpus.engine.curves import ARMS
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import HANDS, SIDED, SIZES, UPPER, Cue, acted
+from encoders.corpus.engine.keyframed_actions import HANDS, SIDED, UPPER, Cue, keyframed
+from encoders.corpus.engine.keyframes import KeyPose, back, key
+from encoders.corpus.engine.program import AMPLITUDES
 
 GROUP = "sport"
 
 
-def _ending(c: Cue) -> list[Key]:
+def _ending(c: Cue) -> list[KeyPose]:
     return [back(c.r(0.6, 0.9))] if c.chance(0.8) else [key(0.2, 0.2)]
 
 
-@acted("throw", group=GROUP, sides=HANDS, speeds=("slow", "fast"), amplitudes=SIZES, counts=(1, 4), weight=3)
-def throw(c: Cue) -> list[Key]:
+@keyframed("throw", group=GROUP, sides=HANDS, speeds=("slow", "fast"), amplitudes=AMPLITUDES, counts=(1, 4), weight=3)
+def throw(c: Cue) -> list[KeyPose]:
     """Overhand: the hand goes back behind the head, the other foot steps, the arm whips over and follows through."""
-    size, keys = c.size(), list[Key]()
+    size, keys = c.size(), list[KeyPose]()
     for _ in range(c.times(1, 2)):
         turn, stride = 0.5 * size * c.r(0.6, 1.2), c.r(0.0, 0.4) * size
         if c.both:
@@ -46,9 +47,9 @@ def throw(c: Cue) -> list[Key]:
     return keys
 
 
-@acted("throw underhand", group=GROUP, sides=HANDS, counts=(1, 4))
-def throw_underhand(c: Cue) -> list[Key]:
-    keys: list[Key] = []
+@keyframed("throw underhand", group=GROUP, sides=HANDS, counts=(1, 4))
+def throw_underhand(c: Cue) -> list[KeyPose]:
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 2)):
         stride = c.r(0.0, 0.35)
         keys += [
@@ -62,9 +63,9 @@ def throw_underhand(c: Cue) -> list[Key]:
     return keys
 
 
-@acted("catch", group=GROUP, sides=HANDS, heights=("low", "middle", "high"), counts=(1, 4))
-def catch(c: Cue) -> list[Key]:
-    up, keys = c.height(-0.6, -0.15, 0.75), list[Key]()
+@keyframed("catch", group=GROUP, sides=HANDS, heights=("low", "middle", "high"), counts=(1, 4))
+def catch(c: Cue) -> list[KeyPose]:
+    up, keys = c.height(-0.6, -0.15, 0.75), list[KeyPose]()
     hand = "hand" if c.step.side else "hands"
     for _ in range(c.times(1, 2)):
         x = c.r(-0.32, -0.15)
@@ -78,10 +79,10 @@ def catch(c: Cue) -> list[Key]:
     return [*keys, *_ending(c)]
 
 
-@acted("pass ball", group=GROUP, parts=ARMS, counts=(1, 4))
-def pass_ball(c: Cue) -> list[Key]:
+@keyframed("pass ball", group=GROUP, parts=ARMS, counts=(1, 4))
+def pass_ball(c: Cue) -> list[KeyPose]:
     """Chest pass."""
-    up, keys = c.r(-0.3, -0.1), list[Key]()
+    up, keys = c.r(-0.3, -0.1), list[KeyPose]()
     for _ in range(c.times(1, 2)):
         keys += [
             key(0.4, c.r(0.1, 0.4), hands=(-0.22, up, 0.32), elbows=0.4),
@@ -92,8 +93,8 @@ def pass_ball(c: Cue) -> list[Key]:
     return keys
 
 
-@acted("dribble", group=GROUP, parts=UPPER, sides=HANDS, amplitudes=SIZES, counts=(3, 12), weight=2)
-def dribble(c: Cue) -> list[Key]:
+@keyframed("dribble", group=GROUP, parts=UPPER, sides=HANDS, amplitudes=AMPLITUDES, counts=(3, 12), weight=2)
+def dribble(c: Cue) -> list[KeyPose]:
     """Bounce a ball beside the body; with both hands it crosses over from one to the other."""
     beat, high = c.r(0.22, 0.34), c.r(0.12, 0.26) * c.size(0.2)
     place = c.about((c.r(0.05, 0.4), c.r(-0.68, -0.5), c.r(0.15, 0.5)), 0.03)
@@ -106,10 +107,10 @@ def dribble(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("shoot basketball", group=GROUP, counts=(1, 3), weight=1.5)
-def shoot_basketball(c: Cue) -> list[Key]:
+@keyframed("shoot basketball", group=GROUP, counts=(1, 3), weight=1.5)
+def shoot_basketball(c: Cue) -> list[KeyPose]:
     """Gather at the chest, bend, rise and push the ball up over the head; often with a hop."""
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 1)):
         hop = c.r(0.08, 0.25) if c.chance(0.5) else 0.0
         keys += [
@@ -126,10 +127,10 @@ def shoot_basketball(c: Cue) -> list[Key]:
     return keys
 
 
-@acted("kick ball", group=GROUP, sides=SIDED, amplitudes=SIZES, counts=(1, 3), weight=2)
-def kick_ball(c: Cue) -> list[Key]:
+@keyframed("kick ball", group=GROUP, sides=SIDED, amplitudes=AMPLITUDES, counts=(1, 3), weight=2)
+def kick_ball(c: Cue) -> list[KeyPose]:
     """A step of the standing leg, the kicking leg swung back and through, the arms against it."""
-    size, keys = c.size(), list[Key]()
+    size, keys = c.size(), list[KeyPose]()
     for _ in range(c.times(1, 1)):
         stride, lift = c.r(0.15, 0.45), c.r(0.2, 0.5) * size
         keys += [
@@ -146,9 +147,9 @@ def kick_ball(c: Cue) -> list[Key]:
     return keys
 
 
-@acted("header", group=GROUP, counts=(1, 4))
-def header(c: Cue) -> list[Key]:
-    keys: list[Key] = []
+@keyframed("header", group=GROUP, counts=(1, 4))
+def header(c: Cue) -> list[KeyPose]:
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 2)):
         hop = c.r(0.0, 0.2)
         keys += [
@@ -167,8 +168,8 @@ def header(c: Cue) -> list[Key]:
     return keys
 
 
-@acted("bowl", group=GROUP, sides=SIDED)
-def bowl(c: Cue) -> list[Key]:
+@keyframed("bowl", group=GROUP, sides=SIDED)
+def bowl(c: Cue) -> list[KeyPose]:
     """Roll a ball: steps, a long backswing, a deep lunge and release near the ground."""
     return [
         key(0.5, 0.3, hands=(-0.25, -0.25, 0.4)),
@@ -181,9 +182,9 @@ def bowl(c: Cue) -> list[Key]:
     ]  # fmt: skip
 
 
-@acted("volleyball bump", group=GROUP, counts=(1, 4))
-def volleyball_bump(c: Cue) -> list[Key]:
-    keys: list[Key] = []
+@keyframed("volleyball bump", group=GROUP, counts=(1, 4))
+def volleyball_bump(c: Cue) -> list[KeyPose]:
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 3)):
         keys += [
             key(0.4, 0.1, hands=(-0.3, -0.7, 0.6), root=(0, -0.2, 0), spine=(0.3, 0, 0)),
@@ -192,10 +193,10 @@ def volleyball_bump(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("spike", group=GROUP, sides=SIDED, counts=(1, 3))
-def spike(c: Cue) -> list[Key]:
+@keyframed("spike", group=GROUP, sides=SIDED, counts=(1, 3))
+def spike(c: Cue) -> list[KeyPose]:
     """Jump and strike down from above the head."""
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 1)):
         hop = c.r(0.2, 0.4)
         keys += [
@@ -211,8 +212,8 @@ def spike(c: Cue) -> list[Key]:
     return keys
 
 
-@acted("juggle", group=GROUP, parts=ARMS, counts=(4, 12))
-def juggle(c: Cue) -> list[Key]:
+@keyframed("juggle", group=GROUP, parts=ARMS, counts=(4, 12))
+def juggle(c: Cue) -> list[KeyPose]:
     beat, up = c.r(0.16, 0.24), c.r(-0.55, -0.35)
     keys = [key(0.5, hands=(-0.05, up, 0.45), head=(-0.15, 0, 0))]
     for _ in range(c.times(5, 12, 2 * beat)):

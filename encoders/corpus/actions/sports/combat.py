@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import SIDED, Cue, acted, grip, moved
-
-Pose = Mapping[str, ArrayLike]
+from encoders.corpus.engine.keyframed_actions import HANDS, SIDED, Cue, grip, keyframed, moved
+from encoders.corpus.engine.keyframes import Channels, KeyPose, back, key
+from encoders.corpus.engine.program import HEIGHTS
 
 GROUP = "sport"
-LEVELS = ("low", "middle", "high")
-PUNCHERS = ("left", "right", "both")
 
 
 def _guard(c: Cue) -> dict[str, ArrayLike]:
@@ -34,7 +29,7 @@ def _stance(c: Cue) -> dict[str, ArrayLike]:
     }  # fmt: skip
 
 
-def _blow(c: Cue, hand: str, through: list[tuple[float, ArrayLike]], guard: Pose, reach: float) -> list[Key]:
+def _blow(c: Cue, hand: str, through: list[tuple[float, ArrayLike]], guard: Channels, reach: float) -> list[KeyPose]:
     """One strike: through places with their times, the body turning into it, and back on guard."""
     toward = -reach if hand == "lead" else reach
     keys = []
@@ -48,7 +43,7 @@ def _blow(c: Cue, hand: str, through: list[tuple[float, ArrayLike]], guard: Pose
     return [*keys, key(c.r(0.18, 0.32), c.r(0.0, 0.2), **again, spine=(0.06, 0, 0), head=(0, 0, 0))]
 
 
-def _round(c: Cue, kinds: tuple[str, ...]) -> list[Key]:
+def _round(c: Cue, kinds: tuple[str, ...]) -> list[KeyPose]:
     """Punches of these kinds by the named hand, or by both in turn, from a guard or from hanging arms."""
     guard = _guard(c)
     on_guard = c.chance(0.75)
@@ -79,8 +74,8 @@ def _round(c: Cue, kinds: tuple[str, ...]) -> list[Key]:
 
 
 def _punch(name: str, kinds: tuple[str, ...], weight: float = 1.0) -> None:
-    @acted(name, group=GROUP, sides=PUNCHERS, heights=LEVELS, counts=(1, 6), weight=weight)
-    def punch(c: Cue) -> list[Key]:
+    @keyframed(name, group=GROUP, sides=HANDS, heights=HEIGHTS, counts=(1, 6), weight=weight)
+    def punch(c: Cue) -> list[KeyPose]:
         return _round(c, kinds)
 
 
@@ -90,8 +85,8 @@ _punch("hook", ("hook",))
 _punch("uppercut", ("uppercut",))
 
 
-@acted("box", group=GROUP, counts=(3, 10), weight=2)
-def box(c: Cue) -> list[Key]:
+@keyframed("box", group=GROUP, counts=(3, 10), weight=2)
+def box(c: Cue) -> list[KeyPose]:
     """Shadow boxing: combinations, bobbing, weaving, small steps."""
     guard, stance = _guard(c), _stance(c)
     keys = [key(0.5, 0.2, **guard, **stance)]
@@ -113,16 +108,16 @@ def box(c: Cue) -> list[Key]:
     return [*keys, back(0.7)] if c.chance(0.6) else keys
 
 
-@acted("fighting stance", group=GROUP, sides=SIDED)
-def fighting_stance(c: Cue) -> list[Key]:
+@keyframed("fighting stance", group=GROUP, sides=SIDED)
+def fighting_stance(c: Cue) -> list[KeyPose]:
     keys = [key(0.5, 0.3, **_guard(c), **_stance(c))]
     for _ in range(int(c.r(2, 6))):
         keys += [key(0.2, root=(c.r(-0.03, 0.03), -0.1, 0.02)), key(0.2, root=(0, -0.05, 0))]
     return [*keys, back(0.7)] if c.chance(0.5) else keys
 
 
-@acted("block", group=GROUP, sides=PUNCHERS, heights=LEVELS, counts=(1, 4))
-def block(c: Cue) -> list[Key]:
+@keyframed("block", group=GROUP, sides=HANDS, heights=HEIGHTS, counts=(1, 4))
+def block(c: Cue) -> list[KeyPose]:
     up = c.height(-0.55, 0.1, 0.5)
     keys = [key(0.4, 0.2, **_guard(c), **_stance(c))]
     for _ in range(c.times(1, 3)):
@@ -144,7 +139,7 @@ def _poise(c: Cue) -> dict[str, ArrayLike]:
     return {"lead": c.about((0.3, -0.85, -0.1), 0.06), "off": c.about((0.2, -0.85, 0.25), 0.06)}
 
 
-def _kicked(c: Cue, chamber: Pose, strike: Pose, ready: bool) -> list[Key]:
+def _kicked(c: Cue, chamber: Channels, strike: Channels, ready: bool) -> list[KeyPose]:
     """Kicks: weight over, knee up, strike, knee back, foot down; again as often as told."""
     loose = {"lead": (0.2, -0.9, 0.0), "off": (0.2, -0.9, 0.1)}
     keys = [key(c.r(0.4, 0.6), c.r(0.0, 0.3), **_guard(c))] if ready else []
@@ -160,38 +155,38 @@ def _kicked(c: Cue, chamber: Pose, strike: Pose, ready: bool) -> list[Key]:
     return [*keys, back(c.r(0.5, 0.8))]
 
 
-@acted("kick", group=GROUP, sides=SIDED, heights=LEVELS, amplitudes=("small", "large"), counts=(1, 5), weight=3)
-def kick(c: Cue) -> list[Key]:
+@keyframed("kick", group=GROUP, sides=SIDED, heights=HEIGHTS, amplitudes=("small", "large"), counts=(1, 5), weight=3)
+def kick(c: Cue) -> list[KeyPose]:
     """A front kick."""
     high = c.height(0.3, 0.7, 1.15) * {"small": 0.75, "large": 1.15}.get(c.step.amplitude, 1.0)
     ahead = (0.8**2 - min(abs(high - 0.8), 0.6) ** 2) ** 0.5 * (0.97 if high < 1.0 else 0.9)
     lean = 0.25 + 0.35 * high
-    chamber: Pose = {
+    chamber: Channels = {
         "lead_foot": (-0.03, 0.25 + 0.3 * high, 0.12), "root": (-0.1, -0.01, 0.0), "spine": (0.05, 0, 0),
         "lead_toes": -0.4, "pelvis": (-0.1 * high, 0, 0),
     }  # fmt: skip
-    strike: Pose = {
+    strike: Channels = {
         "lead_foot": (-0.06, high, ahead), "root": (-0.1, 0.0, 0.06), "pelvis": (-0.45 * lean, 0, -0.15),
         "lead_toes": 0.7, "spine": (-0.1 * lean, 0, 0.15), "head": (0.5 * lean, 0, 0),
     }  # fmt: skip
     return _kicked(c, chamber, strike, c.chance(0.5))
 
 
-@acted("side kick", group=GROUP, sides=SIDED, heights=LEVELS, counts=(1, 5))
-def side_kick(c: Cue) -> list[Key]:
+@keyframed("side kick", group=GROUP, sides=SIDED, heights=HEIGHTS, counts=(1, 5))
+def side_kick(c: Cue) -> list[KeyPose]:
     high = c.height(0.35, 0.7, 1.05)
     out = (0.79**2 - min(abs(high - 0.82), 0.6) ** 2) ** 0.5
     tip = -0.35 - 0.35 * high
-    chamber = {"lead_foot": (0.05, 0.45, 0.1), "root": (-0.1, -0.02, 0), "pelvis": (0, tip * 0.3, 0)}
-    strike: Pose = {
+    chamber: Channels = {"lead_foot": (0.05, 0.45, 0.1), "root": (-0.1, -0.02, 0), "pelvis": (0, tip * 0.3, 0)}
+    strike: Channels = {
         "lead_foot": (out * 0.97 - 0.15, high, 0.05), "root": (-0.16, -0.02, 0), "pelvis": (0, tip * 0.8, 0),
         "spine": (0, tip * 0.3, 0), "head": (0, -tip * 0.6, 0.7),
     }  # fmt: skip
     return _kicked(c, chamber, strike, c.chance(0.6))
 
 
-@acted("roundhouse kick", group=GROUP, sides=SIDED, heights=LEVELS, counts=(1, 4))
-def roundhouse_kick(c: Cue) -> list[Key]:
+@keyframed("roundhouse kick", group=GROUP, sides=SIDED, heights=HEIGHTS, counts=(1, 4))
+def roundhouse_kick(c: Cue) -> list[KeyPose]:
     high = c.height(0.4, 0.75, 1.15)
     turn = c.r(0.6, 1.1)
     keys = [key(0.4, 0.2, **_guard(c), **_stance(c))]
@@ -206,8 +201,8 @@ def roundhouse_kick(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("knee strike", group=GROUP, sides=SIDED, counts=(1, 4))
-def knee_strike(c: Cue) -> list[Key]:
+@keyframed("knee strike", group=GROUP, sides=SIDED, counts=(1, 4))
+def knee_strike(c: Cue) -> list[KeyPose]:
     keys = [key(0.4, hands=(-0.2, 0.05, 0.6), **_stance(c))]
     for _ in range(c.times(1, 3)):
         keys += [
@@ -218,8 +213,8 @@ def knee_strike(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("elbow strike", group=GROUP, sides=SIDED, counts=(1, 4))
-def elbow_strike(c: Cue) -> list[Key]:
+@keyframed("elbow strike", group=GROUP, sides=SIDED, counts=(1, 4))
+def elbow_strike(c: Cue) -> list[KeyPose]:
     keys = [key(0.4, **_guard(c), **_stance(c))]
     for _ in range(c.times(1, 2)):
         keys += [
@@ -233,8 +228,8 @@ def elbow_strike(c: Cue) -> list[Key]:
 SLASHES = ("down", "left", "right", "up")
 
 
-@acted("slash", group=GROUP, sides=PUNCHERS, directions=SLASHES, counts=(1, 5), weight=2)
-def slash(c: Cue) -> list[Key]:
+@keyframed("slash", group=GROUP, sides=HANDS, directions=SLASHES, counts=(1, 5), weight=2)
+def slash(c: Cue) -> list[KeyPose]:
     """Swing a blade: down, across to either side, upward, or down across; one hand or both."""
     two = c.both or (not c.step.side and c.chance(0.6))
     across = c.toward or (-1.0 if c.chance(0.7) else 1.0)
@@ -269,8 +264,8 @@ def slash(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-@acted("stab", group=GROUP, sides=PUNCHERS, heights=LEVELS, counts=(1, 4))
-def stab(c: Cue) -> list[Key]:
+@keyframed("stab", group=GROUP, sides=HANDS, heights=HEIGHTS, counts=(1, 4))
+def stab(c: Cue) -> list[KeyPose]:
     """Thrust a blade or spear forward with a lunge."""
     up, two = c.height(-0.5, -0.2, 0.1), c.both
     drawn, out = (0.1, up - 0.1, -0.1), (-0.25, up, 0.94)
@@ -288,8 +283,8 @@ def stab(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("shoot gun", group=GROUP, sides=PUNCHERS, counts=(1, 6))
-def shoot_gun(c: Cue) -> list[Key]:
+@keyframed("shoot gun", group=GROUP, sides=HANDS, counts=(1, 6))
+def shoot_gun(c: Cue) -> list[KeyPose]:
     two = c.both or (not c.step.side and c.chance(0.6))
     aim = {"lead": (-0.3, 0.05, 0.9), "off": (-0.38, 0.0, 0.85)} if two else {"lead": (-0.15, 0.06, 0.95)}
     kick = {name: moved(p, 0.0, 0.09, -0.09) for name, p in aim.items()}
@@ -299,11 +294,11 @@ def shoot_gun(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("shoot bow", group=GROUP, sides=SIDED, counts=(1, 3))
-def shoot_bow(c: Cue) -> list[Key]:
+@keyframed("shoot bow", group=GROUP, sides=SIDED, counts=(1, 3))
+def shoot_bow(c: Cue) -> list[KeyPose]:
     """Hold the bow out, draw the string back to the cheek with the leading hand, let go."""
     bow = (0.9, 0.06, 0.35)
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 2)):
         keys += [
             key(0.6, 0.2, off=(0.5, -0.1, 0.55), lead=(-0.85, -0.05, 0.45), spine=(0, 0, 0.5), head=(0, 0, -0.9)),

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from encoders.corpus.engine.keyframes import REST, Key, back, key
-from encoders.corpus.engine.performance import HANDS, SIDED, Cue, acted
+from encoders.corpus.engine.keyframed_actions import HANDS, SIDED, Cue, keyframed
+from encoders.corpus.engine.keyframes import REST, Channels, KeyPose, back, key
 
 GROUP = "sport"
-Pose = dict[str, ArrayLike]
 
 
-@acted("lift weights", group=GROUP, sides=HANDS, heights=("middle", "high"), counts=(1, 8), weight=1.3)
-def lift_weights(c: Cue) -> list[Key]:
+@keyframed("lift weights", group=GROUP, sides=HANDS, heights=("middle", "high"), counts=(1, 8), weight=1.3)
+def lift_weights(c: Cue) -> list[KeyPose]:
     """Curl dumb-bells to the shoulders, or press them over the head."""
     press = c.step.height == "high" or (not c.step.height and c.chance(0.45))
     hand = "hand" if c.step.side else "hands"
@@ -28,9 +26,9 @@ def lift_weights(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("slap", group=GROUP, sides=SIDED, counts=(1, 4))
-def slap(c: Cue) -> list[Key]:
-    up, keys = c.r(0.0, 0.3), list[Key]()
+@keyframed("slap", group=GROUP, sides=SIDED, counts=(1, 4))
+def slap(c: Cue) -> list[KeyPose]:
+    up, keys = c.r(0.0, 0.3), list[KeyPose]()
     for _ in range(c.times(1, 2)):
         keys += [
             key(c.r(0.3, 0.45), lead=(0.65, up, 0.2), spine=(0, 0, 0.4)),
@@ -41,18 +39,18 @@ def slap(c: Cue) -> list[Key]:
     return [*keys, back(0.5)]
 
 
-@acted("karate", group=GROUP, counts=(2, 8), weight=1.5)
-def karate(c: Cue) -> list[Key]:
+@keyframed("karate", group=GROUP, counts=(2, 8), weight=1.5)
+def karate(c: Cue) -> list[KeyPose]:
     """A form: deep stances, fists drawn to the hip, blocks, punches and a kick, each held."""
     hip = (-0.05, -0.5, 0.05)
     keys = [key(0.6, 0.2, hands=hip, feet=(0.08, 0, 0), root=(0, -0.08, 0))]
     for index in range(c.times(3, 6, 1.0)):
         front, rear, side = ("lead", "off", 1) if index % 2 == 0 else ("off", "lead", -1)
-        deep: Pose = {
+        deep: Channels = {
             f"{front}_foot": (0.05, 0, 0.4), f"{rear}_foot": (0.08, 0, -0.25), "root": (0, -0.2, 0.1),
             "pelvis": (0.05, 0, -0.2 * side),
         }  # fmt: skip
-        blows: tuple[Pose, ...] = (
+        blows: tuple[Channels, ...] = (
             {front: (-0.3, -0.1, 0.95), rear: hip},
             {rear: (-0.3, -0.15, 0.93), front: hip},
             {front: (0.1, -0.65, 0.5), rear: hip},
@@ -69,8 +67,8 @@ def karate(c: Cue) -> list[Key]:
     return [*keys, back(0.9)]
 
 
-@acted("tai chi", group=GROUP, speeds=(), weight=1.2)
-def tai_chi(c: Cue) -> list[Key]:
+@keyframed("tai chi", group=GROUP, speeds=(), weight=1.2)
+def tai_chi(c: Cue) -> list[KeyPose]:
     """Slow round pushes and partings of the hands over bent, shifting legs."""
     keys = [key(1.2, hands=(-0.1, -0.1, 0.7), feet=(0.1, 0, 0), root=(0, -0.08, 0))]
     for index in range(c.times(3, 5, 2.4)):
@@ -85,8 +83,8 @@ def tai_chi(c: Cue) -> list[Key]:
     return [*keys, key(0.8, hands=(-0.25, -0.4, 0.5), root=(0, -0.05, 0), spine=(0, 0, 0)), back(1.2)]
 
 
-@acted("ski", group=GROUP, counts=(2, 8))
-def ski(c: Cue) -> list[Key]:
+@keyframed("ski", group=GROUP, counts=(2, 8))
+def ski(c: Cue) -> list[KeyPose]:
     """Crouched, swaying from edge to edge, poles planted in turn or pushed together."""
     beat, together = c.r(0.5, 0.9), c.chance(0.35)
     keys = [key(0.7, hands=(0.15, -0.35, 0.5), root=(0, -0.2, 0), spine=(0.35, 0, 0), head=(-0.2, 0, 0))]
@@ -104,10 +102,10 @@ def ski(c: Cue) -> list[Key]:
     return [*keys, back(0.9)]
 
 
-@acted("surf", group=GROUP, sides=SIDED)
-def surf(c: Cue) -> list[Key]:
+@keyframed("surf", group=GROUP, sides=SIDED)
+def surf(c: Cue) -> list[KeyPose]:
     """Sideways on a board, knees bent, arms out for balance; also skateboards and snowboards."""
-    stand: Pose = {
+    stand: Channels = {
         "lead_foot": (0.0, 0, 0.28), "off_foot": (0.0, 0, -0.28), "lead_turn": 0.9, "off_turn": -0.7,
         "pelvis": (0.1, 0, -0.9),
     }  # fmt: skip
@@ -121,10 +119,10 @@ def surf(c: Cue) -> list[Key]:
     return [*keys, key(0.3, hands=REST), back(0.8)]
 
 
-@acted("lasso", group=GROUP, sides=SIDED, counts=(2, 8))
-def lasso(c: Cue) -> list[Key]:
+@keyframed("lasso", group=GROUP, sides=SIDED, counts=(2, 8))
+def lasso(c: Cue) -> list[KeyPose]:
     """Whirl a rope over the head and throw it."""
-    lap, keys = c.r(0.5, 0.8), list[Key]()
+    lap, keys = c.r(0.5, 0.8), list[KeyPose]()
     for index in range(8 * c.times(2, 4, lap)):
         angle = index * np.pi / 4
         keys += [key(lap / 8 if index else 0.6, lead=(0.1 + 0.25 * np.cos(angle), 0.75, 0.1 + 0.28 * np.sin(angle)))]

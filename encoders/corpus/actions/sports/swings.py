@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import SIDED, UPPER, Cue, acted, grip
+from encoders.corpus.engine.keyframed_actions import SIDED, UPPER, Cue, grip, keyframed
+from encoders.corpus.engine.keyframes import KeyPose, back, key
 
 GROUP = "sport"
 
 
 def _club(
     c: Cue, address: ArrayLike, top: ArrayLike, finish: ArrayLike, wind: float, bend: float, fast: float
-) -> list[Key]:
+) -> list[KeyPose]:
     """A club or bat in both hands: address, wind up away, swing through to the other side."""
     where = [np.asarray(p) for p in (address, top, finish)]
     low = (where[0] + [0.05, -0.05, 0.0]).tolist()
@@ -30,22 +30,22 @@ def _club(
     return [*keys, back(c.r(0.8, 1.1))]
 
 
-@acted("golf swing", group=GROUP, sides=SIDED, counts=(1, 3), weight=1.5)
-def golf_swing(c: Cue) -> list[Key]:
+@keyframed("golf swing", group=GROUP, sides=SIDED, counts=(1, 3), weight=1.5)
+def golf_swing(c: Cue) -> list[KeyPose]:
     """The leading side is the one the club is wound up to."""
     top = (c.r(0.55, 0.75), c.r(0.35, 0.55), 0.2)
     finish = (-c.r(0.55, 0.75), c.r(0.35, 0.6), 0.1)
     return _club(c, (0.0, -0.72, 0.5), top, finish, c.r(0.6, 0.9), c.r(0.25, 0.45), c.r(0.18, 0.27))
 
 
-@acted("swing bat", group=GROUP, sides=SIDED, counts=(1, 3), weight=1.5)
-def swing_bat(c: Cue) -> list[Key]:
+@keyframed("swing bat", group=GROUP, sides=SIDED, counts=(1, 3), weight=1.5)
+def swing_bat(c: Cue) -> list[KeyPose]:
     finish = (-0.7, c.r(-0.1, 0.3), 0.3)
     return _club(c, (0.45, c.r(0.0, 0.2), 0.2), (0.65, 0.12, -0.05), finish, c.r(0.5, 0.8), 0.1, c.r(0.14, 0.22))
 
 
-@acted("tennis swing", group=GROUP, sides=SIDED, counts=(1, 5), weight=1.5)
-def tennis_swing(c: Cue) -> list[Key]:
+@keyframed("tennis swing", group=GROUP, sides=SIDED, counts=(1, 5), weight=1.5)
+def tennis_swing(c: Cue) -> list[KeyPose]:
     """Forehand or backhand, low to high across the body."""
     keys = [key(0.4, 0.2, hands=(-0.1, -0.4, 0.5), root=(0, -0.06, 0), spine=(0.15, 0, 0))]
     for _ in range(c.times(1, 3)):
@@ -62,10 +62,10 @@ def tennis_swing(c: Cue) -> list[Key]:
     return [*keys, back(0.6)]
 
 
-@acted("serve", group=GROUP, sides=SIDED, counts=(1, 3))
-def serve(c: Cue) -> list[Key]:
+@keyframed("serve", group=GROUP, sides=SIDED, counts=(1, 3))
+def serve(c: Cue) -> list[KeyPose]:
     """Toss with one hand, strike overhead with the other: tennis or volleyball."""
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(1, 1)):
         keys += [
             key(0.5, 0.2, off=(-0.2, -0.35, 0.6), lead=(-0.1, -0.45, 0.5), spine=(0.1, 0, 0)),
@@ -79,8 +79,8 @@ def serve(c: Cue) -> list[Key]:
     return keys
 
 
-@acted("swim crawl", group=GROUP, parts=UPPER, counts=(2, 8), directions=("forward", "backward"))
-def swim_crawl(c: Cue) -> list[Key]:
+@keyframed("swim crawl", group=GROUP, parts=UPPER, counts=(2, 8), directions=("forward", "backward"))
+def swim_crawl(c: Cue) -> list[KeyPose]:
     """The arms wheel in turn; backward is the backstroke."""
     lap, way = c.r(1.1, 1.9), -1 if c.step.direction == "backward" else 1
     lean = c.r(0.0, 0.6) * way if way > 0 else 0.0
@@ -94,8 +94,8 @@ def swim_crawl(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-@acted("swim breaststroke", group=GROUP, parts=UPPER, counts=(2, 8))
-def swim_breaststroke(c: Cue) -> list[Key]:
+@keyframed("swim breaststroke", group=GROUP, parts=UPPER, counts=(2, 8))
+def swim_breaststroke(c: Cue) -> list[KeyPose]:
     lap, lean = c.r(1.2, 1.9), c.r(0.0, 0.5)
     keys = [key(0.5, hands=(-0.28, -0.1, 0.4), spine=(lean, 0, 0), head=(-lean * 0.6, 0, 0))]
     for _ in range(c.times(2, 5, lap)):
@@ -107,8 +107,8 @@ def swim_breaststroke(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("row", group=GROUP, parts=UPPER, counts=(2, 8))
-def row(c: Cue) -> list[Key]:
+@keyframed("row", group=GROUP, parts=UPPER, counts=(2, 8))
+def row(c: Cue) -> list[KeyPose]:
     lap, keys = c.r(1.0, 1.8), [key(0.5, hands=(-0.15, -0.25, 0.6))]
     for _ in range(c.times(2, 6, lap)):
         keys += [

@@ -14,10 +14,10 @@ def normal_form(sentence: str) -> str:
     return _LETTERS.sub(" ", sentence.lower()).strip()
 
 
-class HeldOut:
+class HeldOutSentences:
     """Whether a sentence equals one that is held out; made from any sentences, called with one.
 
-    >>> held_out = HeldOut(["A person walks."])
+    >>> held_out = HeldOutSentences(["A person walks."])
     >>> held_out("a person  walks")
     True
     """
@@ -26,7 +26,7 @@ class HeldOut:
         self._forms = frozenset(filter(None, map(normal_form, sentences)))
 
     @classmethod
-    def read(cls, *paths: Path) -> HeldOut:
+    def read(cls, *paths: Path) -> HeldOutSentences:
         """From text files: one sentence a line; of tab-separated lines the last column."""
         lines = (line for path in paths for line in path.read_text(encoding="utf-8").splitlines())
         return cls(line.split("\t")[-1] for line in lines)

@@ -6,26 +6,26 @@ from collections.abc import Sequence
 from itertools import accumulate
 from typing import Protocol, TypeVar
 
-T = TypeVar("T")
+Option = TypeVar("Option")
 
 
-class Chance(Protocol):
+class RandomSource(Protocol):
     """A source of chance: `numpy.random.Generator` and `random.Random` both are."""
 
     def random(self) -> float: ...
 
 
-def pick(rng: Chance, options: Sequence[T]) -> T:
+def pick(rng: RandomSource, options: Sequence[Option]) -> Option:
     """One of `options`, all alike."""
     return options[int(rng.random() * len(options))]
 
 
-def pick_early(rng: Chance, options: Sequence[T]) -> T:
+def pick_early(rng: RandomSource, options: Sequence[Option]) -> Option:
     """One of `options`, the first ones more often: lists open with the words that most people use."""
     return options[int(len(options) * rng.random() ** 1.6)]
 
 
-def pick_weighted(rng: Chance, options: Sequence[T], weights: Sequence[float]) -> T:
+def pick_weighted(rng: RandomSource, options: Sequence[Option], weights: Sequence[float]) -> Option:
     """One of `options` in proportion to `weights`."""
     sums = list(accumulate(weights))
     target = rng.random() * sums[-1]

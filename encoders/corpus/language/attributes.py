@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from encoders.corpus.language.lexicon import modifiers
-from encoders.corpus.language.normal import patterns
+from encoders.corpus.language.normalisation import patterns
 from encoders.english import NUMBER_VALUES
 
 _HIS = r"(?:the|his|her|their|its|there|own|a|one'?s?)"
@@ -44,7 +44,7 @@ def _styles() -> tuple[re.Pattern[str], dict[str, str]]:
 
 
 @dataclass
-class Particulars:
+class ClauseAttributes:
     """What was taken out of a clause, and the words that are left.
 
     Attributes
@@ -67,7 +67,7 @@ class Particulars:
     unsure: bool = False
 
 
-def _take_limbs(text: str, found: Particulars) -> str:
+def _take_limbs(text: str, found: ClauseAttributes) -> str:
     def taken(match: re.Match[str]) -> str:
         by, owner, name, plural = match[1] or "", match[2], match[3], match[4]
         sides = {side for side in ("left", "right") if side in owner}
@@ -98,9 +98,9 @@ _OBJECT = re.compile(
 )
 
 
-def take_particulars(clause: str) -> Particulars:
+def extract_attributes(clause: str) -> ClauseAttributes:
     """The particulars of a normalised clause without its subject and verb."""
-    found = Particulars()
+    found = ClauseAttributes()
     text = f" {clause} "
     says_style, styles = _styles()
     for way in says_style.findall(text):

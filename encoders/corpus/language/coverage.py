@@ -70,7 +70,7 @@ def vocabulary_shared(ours: Counter[str], theirs: Counter[str]) -> float:
     return sum(count for word, count in theirs.items() if word in ours) / max(theirs.total(), 1)
 
 
-def phrasings_of_actions() -> dict[str, int]:
+def phrase_counts() -> dict[str, int]:
     """How many phrasings there are of each action: verb phrases and labels, each text counted once."""
     return {
         action: len({phrase.text for kind in ("verbs", "nouns", "parts") for phrase in entry.phrases(kind)})

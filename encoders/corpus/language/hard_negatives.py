@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from encoders.corpus.actions.programs import programs
-from encoders.corpus.language.choice import Chance, pick
+from encoders.corpus.language.weighted_choice import RandomSource, pick
 from encoders.corpus.scene import ActionStep, Scene
 
 _OPPOSITE_SIDE = {"left": "right", "right": "left"}
@@ -41,7 +41,7 @@ def _changes(step: ActionStep) -> list[ActionStep]:
     return [other for other in changed if _legal(other)]
 
 
-def swaps(scene: Scene) -> list[Scene]:
+def contrasting_scenes(scene: Scene) -> list[Scene]:
     """Every scene that differs from `scene` in one thing: two neighbouring groups exchanged, or one field turned."""
     groups = scene.steps
     found = []
@@ -56,7 +56,7 @@ def swaps(scene: Scene) -> list[Scene]:
     return [other for other in found if other != scene]
 
 
-def swap(scene: Scene, rng: Chance) -> Scene | None:
-    """One of `swaps(scene)`; None where nothing can be swapped."""
-    options = swaps(scene)
+def contrasting_scene(scene: Scene, rng: RandomSource) -> Scene | None:
+    """One of `contrasting_scenes(scene)`; None where nothing can be swapped."""
+    options = contrasting_scenes(scene)
     return pick(rng, options) if options else None

@@ -10,9 +10,12 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from encoders.corpus.actions.programs import program_of
-from encoders.corpus.composition.facts import facts, hold
+from encoders.corpus.composition.facts import entailment, facts
 from encoders.corpus.composition.scene_clips import make_clip
-from encoders.corpus.language import describe, parse, random_gait, random_scene, swap
+from encoders.corpus.language.caption_generation import describe
+from encoders.corpus.language.hard_negatives import contrasting_scene
+from encoders.corpus.language.parsing import parse
+from encoders.corpus.language.random_scenes import random_gait, random_scene
 from encoders.corpus.scene import ActionStep, Scene
 from encoders.features.registry import FeatureKind
 from encoders.motion import Motion
@@ -31,7 +34,7 @@ class SyntheticClip:
     scene : Scene
     spans : ((start, end) seconds per step group)
     captions, meanings : sentences, and the facts that each states
-    swapped : for each caption one that looks alike but is false, empty where there is none
+    hard_negatives : for each caption one that looks alike but is false, empty where there is none
     """
 
     features: NDArray[np.float32]
@@ -39,16 +42,16 @@ class SyntheticClip:
     spans: tuple[tuple[float, float], ...]
     captions: tuple[str, ...]
     meanings: tuple[frozenset[str], ...]
-    swapped: tuple[str, ...]
+    hard_negatives: tuple[str, ...]
 
 
-def true_of(clips: Sequence[SyntheticClip]) -> NDArray[np.bool_]:
+def relevance(clips: Sequence[SyntheticClip]) -> NDArray[np.bool_]:
     """Whether the first sentence of each clip (rows) is known to be true of each clip (columns); of its own it is."""
     shown = [facts(clip.scene) for clip in clips]
-    return hold([clip.meanings[0] for clip in clips], shown) | np.eye(len(clips), dtype=bool)
+    return entailment([clip.meanings[0] for clip in clips], shown) | np.eye(len(clips), dtype=bool)
 
 
-def settle(scene: Scene, rng: Generator) -> Scene:
+def complete_scene(scene: Scene, rng: Generator) -> Scene:
     """Sides and directions that the scene leaves open are decided, so that what is true of the clip is known."""
 
     def decided(step: ActionStep) -> ActionStep:
@@ -60,7 +63,7 @@ def settle(scene: Scene, rng: Generator) -> Scene:
     return Scene(tuple(tuple(decided(step) for step in group) for group in scene.steps))
 
 
-def make(
+def synthetic_clip(
     scene: Scene,
     rng: Generator,
     kind: FeatureKind,
@@ -80,11 +83,11 @@ def make(
     held_out : callable, optional
         Sentences that must not be used.
     """
-    whole = settle(scene, rng)
+    whole = complete_scene(scene, rng)
     clip = make_clip(whole, rng)
     stated = {text: (facts(scene), "") for text in said}
     for _ in range(count):
-        text, meaning, twin = told(whole, rng)
+        text, meaning, twin = caption_and_hard_negative(whole, rng)
         stated.setdefault(text, (meaning, twin))
     banned = held_out or _none
     texts = [text for text in stated if not banned(text)]
@@ -102,7 +105,7 @@ def _none(_: str) -> bool:
     return False
 
 
-def told(scene: Scene, rng: Generator) -> tuple[str, frozenset[str], str]:
+def caption_and_hard_negative(scene: Scene, rng: Generator) -> tuple[str, frozenset[str], str]:
     """A caption, the facts it states, and its twin: the same wording, of which one thing is false; empty if none is.
 
     Both are written with the same chance, so that most differ in nothing but the order, side, direction or count.
@@ -110,7 +113,7 @@ def told(scene: Scene, rng: Generator) -> tuple[str, frozenset[str], str]:
     shown, chance = facts(scene), int(rng.integers(2**62))
     scene = _either(scene) if rng.random() < _EITHER else scene
     true = describe(scene, np.random.default_rng(chance))
-    wrong = swap(scene, rng)
+    wrong = contrasting_scene(scene, rng)
     if wrong is not None:
         false = describe(wrong, np.random.default_rng(chance))
         if not facts(false.scene) <= shown and not facts(true.scene) <= facts(wrong):
@@ -155,7 +158,7 @@ def synthetic_clips(
             said = (sentence,)
             if scene is None:
                 continue
-        made = make(scene or random_scene(rng), rng, kind, said=said, held_out=held_out)
+        made = synthetic_clip(scene or random_scene(rng), rng, kind, said=said, held_out=held_out)
         if made.captions and len(made.features) <= longest * kind.fps:
             count -= 1
             yield made

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from encoders.corpus.language.choice import Chance, pick
+from encoders.corpus.language.weighted_choice import RandomSource, pick
 
 _SLIP = 0.035  # share of captions with a misspelt word
 _MISSPELT = {
@@ -28,7 +28,7 @@ _MISSPELT = {
 }
 
 
-def _slip(text: str, rng: Chance) -> str:
+def _slip(text: str, rng: RandomSource) -> str:
     words = text.split()
     i = int(rng.random() * len(words))
     word = words[i]
@@ -43,7 +43,7 @@ def _slip(text: str, rng: Chance) -> str:
     return " ".join(words)
 
 
-def sloppy(text: str, rng: Chance) -> str:
+def add_typing_noise(text: str, rng: RandomSource) -> str:
     """`text` with a person's casing, full stop and, rarely, typing mistakes."""
     text = " ".join(text.split())
     if text and rng.random() < _SLIP:

@@ -7,13 +7,13 @@ import re
 from functools import cache
 from typing import Any
 
-from encoders.corpus.language.lexicon import FOLDER
+from encoders.corpus.language.lexicon import PHRASES
 
 
 @cache
 def patterns() -> dict[str, Any]:
     """The tables of patterns that reading needs: `mends`, `particulars` and `styles` of `phrases/patterns.json`."""
-    loaded: dict[str, Any] = json.loads((FOLDER / "patterns.json").read_text(encoding="utf-8"))
+    loaded: dict[str, Any] = json.loads((PHRASES / "patterns.json").read_text(encoding="utf-8"))
     return loaded
 
 

@@ -8,8 +8,9 @@ from functools import cache
 
 from numpy.random import Generator
 
-from encoders.corpus.actions.programs import Program, programs, sample_step
-from encoders.corpus.language.lexicon import FOLDER, entry_of
+from encoders.corpus.actions.programs import programs, sample_step
+from encoders.corpus.engine.program import Program
+from encoders.corpus.language.lexicon import PHRASES, entry_of
 from encoders.corpus.scene import ActionStep, Scene
 
 _LENGTHS = (0.5, 0.28, 0.15, 0.07)  # share of scenes with 1, 2, 3 and 4 steps in sequence
@@ -24,7 +25,7 @@ _FLATTEN = 0.5  # exponent on how often people mention an action: 0 all alike, 1
 @cache
 def mentions() -> dict[str, float]:
     """How often people mention each action, per thousand actions named in the sentences of HumanML3D."""
-    path = FOLDER / "mentions.json"
+    path = PHRASES / "mentions.json"
     counted: dict[str, float] = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     return counted
 

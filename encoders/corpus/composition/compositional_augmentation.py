@@ -15,13 +15,13 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from encoders.corpus.actions.programs import programs, sample_step
-from encoders.corpus.composition.long_takes import join
-from encoders.corpus.composition.real import CaptionedTake, mirror_words
-from encoders.corpus.composition.real_captions import understood
+from encoders.corpus.composition.caption_augmentation import understood
+from encoders.corpus.composition.captioned_motion import CaptionedTake, mirror_words
+from encoders.corpus.composition.concatenation import concatenate_clips
 from encoders.corpus.composition.scene_clips import make_clip
-from encoders.corpus.composition.synthetic import settle, told
+from encoders.corpus.composition.synthetic_pairs import caption_and_hard_negative, complete_scene
 from encoders.corpus.language.lexicon import entry_of
-from encoders.corpus.language.normal import drop_auxiliaries, drop_subject, normalise
+from encoders.corpus.language.normalisation import drop_auxiliaries, drop_subject, normalise
 from encoders.corpus.language.verbs import lemmas
 from encoders.corpus.scene import Scene
 from encoders.english import gerund
@@ -45,7 +45,7 @@ _ARM = np.array([[INDEX[f"{side}_{joint}"] for joint in ("shoulder", "elbow", "w
 
 
 @dataclass(frozen=True)
-class Piece:
+class CaptionedSegment:
     """Joints (T, 22, 3) at 20 frames a second, what people said of them, and the scene where that is understood."""
 
     joints: Array
@@ -53,16 +53,16 @@ class Piece:
     scene: Scene | None = None
 
     @classmethod
-    def said(cls, joints: Array, captions: tuple[str, ...]) -> Piece:
+    def parsed(cls, joints: Array, captions: tuple[str, ...]) -> CaptionedSegment:
         """A piece with the scene of the first caption that is understood."""
         return cls(joints, captions, next(filter(None, map(understood, captions)), None))
 
-    def varied(self, rng: Generator) -> Piece:
+    def varied(self, rng: Generator) -> CaptionedSegment:
         """The piece played at a random speed, perhaps mirrored, its words too."""
         motion = Motion(self.joints, FPS * float(rng.choice(_SPEEDS))).resample(FPS)
         if rng.random() < 0.5:
             return replace(self, joints=motion.joints)
-        return Piece.said(motion.mirror().joints, tuple(map(mirror_words, self.captions)))
+        return CaptionedSegment.parsed(motion.mirror().joints, tuple(map(mirror_words, self.captions)))
 
     @property
     def speed(self) -> float:
@@ -71,16 +71,16 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Recombined:
+class AugmentedClip:
     """A new motion, sentences that are true of it, for each perhaps one that is not, and the scene where known."""
 
     motion: Motion
     captions: tuple[str, ...]
-    swapped: tuple[str, ...]
+    hard_negatives: tuple[str, ...]
     scene: Scene | None
 
 
-def pieces(takes: Iterable[CaptionedTake]) -> Iterator[Piece]:
+def captioned_segments(takes: Iterable[CaptionedTake]) -> Iterator[CaptionedSegment]:
     """Every captioned part of the takes that is one to seven seconds long and said in few words."""
     for take in takes:
         joints = take.motion.resample(FPS).joints
@@ -88,32 +88,32 @@ def pieces(takes: Iterable[CaptionedTake]) -> Iterator[Piece]:
             first, last = int(span.start * FPS), int(min(span.end, take.motion.duration) * FPS)
             said = tuple(c.strip(" .") for c in span.captions if len(c.split()) <= _WORDS and "then" not in c)
             if said and _SHORTEST <= (last - first) / FPS <= _LONGEST:
-                yield Piece.said(joints[first:last], said)
+                yield CaptionedSegment.parsed(joints[first:last], said)
 
 
-def joined_pair(first: Piece, second: Piece, rng: Generator) -> Recombined:
-    """One after the other; what is not true has the order swapped."""
-    motion = Motion(join([first.joints, second.joints]), FPS)
+def concatenate_segments(first: CaptionedSegment, second: CaptionedSegment, rng: Generator) -> AugmentedClip:
+    """One after the other; what is not true has the order hard_negatives."""
+    motion = Motion(concatenate_clips([first.joints, second.joints]), FPS)
     chances = rng.integers(2**62, size=2)
     true, false = (
         tuple(_say(a, b, _THEN, np.random.default_rng(chance)) for chance in chances)
         for a, b in ((first, second), (second, first))
     )
     scene = Scene((*first.scene.steps, *second.scene.steps)) if first.scene and second.scene else None
-    return Recombined(motion, true, false, scene)
+    return AugmentedClip(motion, true, false, scene)
 
 
-def laid_over(carrier: Piece, gesture: Piece, rng: Generator) -> Recombined:
-    """The gesture's arms on the carrier's body, for as long as both last; nothing can be swapped."""
+def overlay_arms(carrier: CaptionedSegment, gesture: CaptionedSegment, rng: Generator) -> AugmentedClip:
+    """The gesture's arms on the carrier's body, for as long as both last; nothing can be hard_negatives."""
     frames = min(len(carrier.joints), len(gesture.joints))
-    motion = Motion(with_arms(carrier.joints[:frames], gesture.joints[:frames]), FPS)
+    motion = Motion(replace_arms(carrier.joints[:frames], gesture.joints[:frames]), FPS)
     scene = None
     if carrier.scene and gesture.scene and len(carrier.scene.steps) == len(gesture.scene.steps) == 1:
         scene = Scene(((*carrier.scene.steps[0], *gesture.scene.steps[0]),))
-    return Recombined(motion, tuple(_say(carrier, gesture, _WHILE, rng) for _ in range(2)), (), scene)
+    return AugmentedClip(motion, tuple(_say(carrier, gesture, _WHILE, rng) for _ in range(2)), (), scene)
 
 
-def with_arms(body: Array, other: Array) -> Array:
+def replace_arms(body: Array, other: Array) -> Array:
     """`body` (T, 22, 3) with the arms of `other`, turned as its trunk is and in its own bone lengths."""
     moved: Array = body.copy()
     turn = _chest(body) @ _chest(other).transpose(0, 2, 1)
@@ -136,36 +136,40 @@ def _chest(joints: Array) -> Array:
     return axes
 
 
-def made_gesture(rng: Generator) -> Piece:
+def synthetic_gesture(rng: Generator) -> CaptionedSegment:
     """A made movement of arms or head alone, and two sentences about it."""
     gestures = [p for p in programs().values() if not p.parts & {"legs", "spine"} and entry_of(p.name) is not None]
-    scene = settle(Scene(((sample_step(gestures[int(rng.integers(len(gestures)))], rng),),)), rng)
-    return Piece(make_clip(scene, rng).joints, tuple(told(scene, rng)[0].strip(" .") for _ in range(2)), scene)
+    scene = complete_scene(Scene(((sample_step(gestures[int(rng.integers(len(gestures)))], rng),),)), rng)
+    return CaptionedSegment(
+        make_clip(scene, rng).joints,
+        tuple(caption_and_hard_negative(scene, rng)[0].strip(" .") for _ in range(2)),
+        scene,
+    )
 
 
-def recombined(
+def augmented_clips(
     takes: Iterable[CaptionedTake], count: int, rng: Generator, *, over: float = 0.4
-) -> Iterator[Recombined]:
+) -> Iterator[AugmentedClip]:
     """`count` new motions with their sentences.
 
     A share of `over` are gestures laid over a way to go that says nothing of arms, the others are joined pairs. None
     come of takes that have fewer than two captioned pieces.
     """
-    found = list(pieces(takes))
+    found = list(captioned_segments(takes))
     carriers = [p for p in found if p.speed > _GOING and not _ARMS.search(" ".join(p.captions))]
     while count > 0 and len(found) > 1:
         if carriers and rng.random() < over:
-            carrier, gesture = carriers[int(rng.integers(len(carriers)))].varied(rng), made_gesture(rng)
+            carrier, gesture = carriers[int(rng.integers(len(carriers)))].varied(rng), synthetic_gesture(rng)
             if len(gesture.joints) > _UNSEEN * len(carrier.joints):
                 continue
-            yield laid_over(carrier, gesture, rng)
+            yield overlay_arms(carrier, gesture, rng)
         else:
             first, second = (found[int(i)].varied(rng) for i in rng.choice(len(found), 2, replace=False))
-            yield joined_pair(first, second, rng)
+            yield concatenate_segments(first, second, rng)
         count -= 1
 
 
-def _say(first: Piece, second: Piece, ways: Sequence[str], rng: Generator) -> str:
+def _say(first: CaptionedSegment, second: CaptionedSegment, ways: Sequence[str], rng: Generator) -> str:
     """A sentence about both, the second without its subject where that can be told."""
     head = first.captions[int(rng.integers(len(first.captions)))]
     tail = second.captions[int(rng.integers(len(second.captions)))]

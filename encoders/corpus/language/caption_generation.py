@@ -9,15 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from encoders.corpus.language.choice import Chance, pick, pick_early, pick_weighted
 from encoders.corpus.language.clause import Clause, choose_phrase, fill, make_clause, only_fields
 from encoders.corpus.language.lexicon import modifier
-from encoders.corpus.language.sloppy import sloppy
 from encoders.corpus.language.subjects import Subject, draw_subject, nobody, with_adjective
-from encoders.corpus.scene import ActionStep, Scene
+from encoders.corpus.language.typing_noise import add_typing_noise
+from encoders.corpus.language.weighted_choice import RandomSource, pick, pick_early, pick_weighted
+from encoders.corpus.scene import Scene, StepGroup
 from encoders.english import plural_form
 
-Group = tuple[ActionStep, ...]
 _KINDS = ("sentence", "fragment", "label", "part")
 _KIND_WEIGHTS_ONE = (0.62, 0.17, 0.15, 0.06)
 _KIND_WEIGHTS_MANY = (0.78, 0.15, 0.07, 0.0)
@@ -50,11 +49,11 @@ def _verb_form(subject: Subject, tense: str) -> str:
     return {"past": "past", "bare": "ing"}[tense]
 
 
-def _draw_tense(rng: Chance) -> str:
+def _draw_tense(rng: RandomSource) -> str:
     return pick_weighted(rng, ("present", "continuous", "past", "was", "bare"), (0.56, 0.26, 0.09, 0.02, 0.07))
 
 
-def _as_if(group: Group, subject: Subject, rng: Chance) -> str:
+def _as_if(group: StepGroup, subject: Subject, rng: RandomSource) -> str:
     """What the movement resembles, or nothing."""
     step = pick(rng, group)
     phrase = choose_phrase(step, "as_if", rng)
@@ -65,7 +64,7 @@ def _as_if(group: Group, subject: Subject, rng: Chance) -> str:
 
 
 @dataclass(frozen=True)
-class Together:
+class ClauseGroup:
     """The clauses of one group and how each further one is joined to the first."""
 
     subject: Subject
@@ -73,7 +72,7 @@ class Together:
     joins: tuple[str, ...]
 
     @property
-    def said(self) -> Group:
+    def said(self) -> StepGroup:
         return tuple(clause.said for clause in self.clauses)
 
     def say(self, form: str) -> str:
@@ -90,13 +89,15 @@ class Together:
         return words
 
 
-def _together(group: Group, subject: Subject, rng: Chance, without: frozenset[str] = frozenset()) -> Together:
+def _together(
+    group: StepGroup, subject: Subject, rng: RandomSource, without: frozenset[str] = frozenset()
+) -> ClauseGroup:
     """The steps of one group as one clause; standing is often left unsaid."""
     shown = [step for step in group if step.action not in _POSTURES] if rng.random() < 0.6 else list(group)
     shown = shown or list(group)
     if len(shown) > 1 and rng.random() < 0.5:
         shown = shown[::-1]
-    return Together(
+    return ClauseGroup(
         subject,
         tuple(make_clause(step, subject, rng, without=without) for step in shown),
         tuple(pick_weighted(rng, _AT_ONCE, _AT_ONCE_WEIGHTS) for _ in shown[1:]),
@@ -104,18 +105,18 @@ def _together(group: Group, subject: Subject, rng: Chance, without: frozenset[st
 
 
 @dataclass(frozen=True)
-class Said:
+class GeneratedCaption:
     """A caption and what it says: a scene that leaves out what the words leave out."""
 
     text: str
     scene: Scene
 
 
-def _said(text: str, parts: Sequence[Together]) -> Said:
-    return Said(text, Scene(tuple(part.said for part in parts)))
+def _said(text: str, parts: Sequence[ClauseGroup]) -> GeneratedCaption:
+    return GeneratedCaption(text, Scene(tuple(part.said for part in parts)))
 
 
-def _joined(parts: Sequence[Together], forms: Sequence[str], rng: Chance, *, plain: bool = False) -> str:
+def _joined(parts: Sequence[ClauseGroup], forms: Sequence[str], rng: RandomSource, *, plain: bool = False) -> str:
     """Clauses in order, joined as people join them; `plain` joins only with then, and, commas."""
     said = [part.say(form) for part, form in zip(parts, forms, strict=True)]
     if len(said) > 2 and rng.random() < 0.35:
@@ -128,7 +129,7 @@ def _joined(parts: Sequence[Together], forms: Sequence[str], rng: Chance, *, pla
     return text
 
 
-def _sentence(groups: Sequence[Group], rng: Chance) -> Said:
+def _sentence(groups: Sequence[StepGroup], rng: RandomSource) -> GeneratedCaption:
     subject = draw_subject(rng)
     without: frozenset[str] = frozenset()
     styles = {step.style for group in groups for step in group}
@@ -151,7 +152,7 @@ def _sentence(groups: Sequence[Group], rng: Chance) -> Said:
     return _said(f"{opener}{subject.text} {text}", parts)
 
 
-def _single_sentence(group: Group, words: Together, rng: Chance) -> str:
+def _single_sentence(group: StepGroup, words: ClauseGroup, rng: RandomSource) -> str:
     """One group: plainly, as something that seems to be so, or with what it resembles."""
     subject = words.subject
     ending = _as_if(group, subject, rng) if rng.random() < 0.12 else ""
@@ -164,7 +165,7 @@ def _single_sentence(group: Group, words: Together, rng: Chance) -> str:
     return " ".join(filter(None, (subject.text, said, ending)))
 
 
-def _fragment(groups: Sequence[Group], rng: Chance) -> Said:
+def _fragment(groups: Sequence[StepGroup], rng: RandomSource) -> GeneratedCaption:
     subject = nobody(rng)
     parts = [_together(group, subject, rng) for group in groups]
     text = _joined(parts, ["ing"] * len(parts), rng)
@@ -173,13 +174,15 @@ def _fragment(groups: Sequence[Group], rng: Chance) -> Said:
     return _said(text, parts)
 
 
-def _label(groups: Sequence[Group], rng: Chance) -> Said:
+def _label(groups: Sequence[StepGroup], rng: RandomSource) -> GeneratedCaption:
     subject = nobody(rng)
     if len(groups) == 1 and len(groups[0]) == 1 and rng.random() < 0.45:
         step = groups[0][0]
         noun = choose_phrase(step, "nouns", rng)
         if noun is not None:
-            return Said(fill(noun.text, step, subject, rng), Scene(((only_fields(step, noun.said_of(step)),),)))
+            return GeneratedCaption(
+                fill(noun.text, step, subject, rng), Scene(((only_fields(step, noun.said_of(step)),),))
+            )
     parts = [_together(group, subject, rng) for group in groups]
     text = _joined(parts, ["base"] * len(parts), rng, plain=True)
     for possessive in (" their ", " his ", " her ", " the "):
@@ -187,7 +190,7 @@ def _label(groups: Sequence[Group], rng: Chance) -> Said:
     return _said(text, parts)
 
 
-def _part(groups: Sequence[Group], rng: Chance) -> Said:
+def _part(groups: Sequence[StepGroup], rng: RandomSource) -> GeneratedCaption:
     """A clause about one part of the body, or a fragment where the action has none."""
     step = pick(rng, groups[0])
     phrase = choose_phrase(step, "parts", rng)
@@ -198,10 +201,10 @@ def _part(groups: Sequence[Group], rng: Chance) -> Said:
         verbs = [1, *(i + 1 for i, word in enumerate(words[:-1]) if word == "and")]
         words = [plural_form(word) if i in verbs else word for i, word in enumerate(words)]
     text = fill(" ".join(words), step, nobody(rng), rng)
-    return Said(text, Scene(((only_fields(step, phrase.said_of(step)),),)))
+    return GeneratedCaption(text, Scene(((only_fields(step, phrase.said_of(step)),),)))
 
 
-def _shown(scene: Scene, rng: Chance) -> Sequence[Group]:
+def _shown(scene: Scene, rng: RandomSource) -> Sequence[StepGroup]:
     """The groups a caption speaks of: nearly always all, in a long scene at times only some, in their order."""
     groups = scene.steps
     if len(groups) >= 3 and rng.random() < 0.12:
@@ -217,17 +220,17 @@ def _shown(scene: Scene, rng: Chance) -> Sequence[Group]:
     return groups
 
 
-def describe(scene: Scene, rng: Chance) -> Said:
+def describe(scene: Scene, rng: RandomSource) -> GeneratedCaption:
     """One caption of `scene`, with what of the scene it says."""
     groups = _shown(scene, rng)
     weights = _KIND_WEIGHTS_ONE if len(groups) == 1 else _KIND_WEIGHTS_MANY
     kind = pick_weighted(rng, _KINDS, weights)
     write = {"sentence": _sentence, "fragment": _fragment, "label": _label, "part": _part}[kind]
     said = write(groups, rng)
-    return Said(sloppy(said.text, rng), said.scene)
+    return GeneratedCaption(add_typing_noise(said.text, rng), said.scene)
 
 
-def captions(scene: Scene, rng: Chance, n: int, held_out: Callable[[str], bool] | None = None) -> list[str]:
+def captions(scene: Scene, rng: RandomSource, n: int, held_out: Callable[[str], bool] | None = None) -> list[str]:
     """`n` captions of `scene`, different from each other where the scene allows it.
 
     Parameters

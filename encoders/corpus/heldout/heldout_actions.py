@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from encoders.corpus.engine.curves import ARMS
-from encoders.corpus.engine.keyframes import Key, back, key
-from encoders.corpus.engine.performance import SIDED, UPPER, Cue, acted, moved, orbit
+from encoders.corpus.engine.keyframed_actions import SIDED, UPPER, Cue, keyframed, moved, orbit
+from encoders.corpus.engine.keyframes import KeyPose, back, key
 
 _SQUAT: dict[str, ArrayLike] = {
     "root": (0, -0.5, -0.1),
@@ -21,10 +21,10 @@ _FACE_DOWN: dict[str, ArrayLike] = {
 }  # fmt: skip
 
 
-@acted("burpee", group="exercise", styled=False, held_out=True)
-def burpee(c: Cue) -> list[Key]:
+@keyframed("burpee", group="exercise", styled=False, held_out=True)
+def burpee(c: Cue) -> list[KeyPose]:
     """Squat, jump back to hands and toes, forward again, and leap with the arms up."""
-    beat, keys = c.r(0.3, 0.45), list[Key]()
+    beat, keys = c.r(0.3, 0.45), list[KeyPose]()
     for _ in range(c.times(2, 4)):
         keys += [
             key(beat * 1.4, feet=(0, 0, 0), **_SQUAT),
@@ -37,8 +37,8 @@ def burpee(c: Cue) -> list[Key]:
     return [*keys, back(0.5)]
 
 
-@acted("discus throw", group="sport", sides=SIDED, held_out=True)
-def discus_throw(c: Cue) -> list[Key]:
+@keyframed("discus throw", group="sport", sides=SIDED, held_out=True)
+def discus_throw(c: Cue) -> list[KeyPose]:
     """Swing a straight arm far back and forth, then once round the body and let go high in front."""
     low, ahead = (0.75, -0.35, -0.5), (-0.35, -0.1, 0.75)
     keys = [key(0.5, feet=(0.12, 0, 0), root=(0, -0.1, 0), lead=(0.5, -0.6, 0.3))]
@@ -56,8 +56,8 @@ def discus_throw(c: Cue) -> list[Key]:
     ]
 
 
-@acted("kettlebell swing", group="exercise", styled=False, held_out=True)
-def kettlebell_swing(c: Cue) -> list[Key]:
+@keyframed("kettlebell swing", group="exercise", styled=False, held_out=True)
+def kettlebell_swing(c: Cue) -> list[KeyPose]:
     """Both hands swing from between the knees up to the height of the face, driven by the hips."""
     beat, top = c.r(0.5, 0.75), c.r(0.0, 0.45)
     keys = [key(0.5, feet=(0.12, 0, 0), hands=(-0.3, -0.85, 0.2), spine=(0.2, 0, 0))]
@@ -69,8 +69,8 @@ def kettlebell_swing(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("sumo stomp", group="sport", styled=False, held_out=True)
-def sumo_stomp(c: Cue) -> list[Key]:
+@keyframed("sumo stomp", group="sport", styled=False, held_out=True)
+def sumo_stomp(c: Cue) -> list[KeyPose]:
     """Legs wide and bent, hands on the knees; one straight leg is raised high to its side and stamped down, in turn."""
     wide: dict[str, ArrayLike] = {
         "feet": (0.28, 0, 0),
@@ -96,8 +96,8 @@ def sumo_stomp(c: Cue) -> list[Key]:
     return [*keys, back(1.0)]
 
 
-@acted("sow seeds", group="object", sides=SIDED, parts=UPPER, held_out=True)
-def sow_seeds(c: Cue) -> list[Key]:
+@keyframed("sow seeds", group="object", sides=SIDED, parts=UPPER, held_out=True)
+def sow_seeds(c: Cue) -> list[KeyPose]:
     """One hand holds a bag at the hip, the other takes from it and scatters outward in a wide arc."""
     keys = [key(0.6, off=(0.0, -0.55, 0.3))]
     for _ in range(c.times(3, 6, 1.7)):
@@ -109,8 +109,8 @@ def sow_seeds(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-@acted("turn crank", group="object", held_out=True)
-def turn_crank(c: Cue) -> list[Key]:
+@keyframed("turn crank", group="object", held_out=True)
+def turn_crank(c: Cue) -> list[KeyPose]:
     """Both hands wind a big handle round before the belly, the trunk bowing with it."""
     lap, centre = c.r(0.9, 1.5), np.array([-0.25, -0.3, 0.6])
     up, fore = np.array([0, c.r(0.25, 0.4), 0]), np.array([0, 0, c.r(0.2, 0.3)])
@@ -121,10 +121,10 @@ def turn_crank(c: Cue) -> list[Key]:
     return [key(0.7, hands=centre + up, spine=(0.05, 0, 0), lead_foot=(0.05, 0, 0.2)), *turns, back(0.8)]
 
 
-@acted("ring bell", group="object", held_out=True)
-def ring_bell(c: Cue) -> list[Key]:
+@keyframed("ring bell", group="object", held_out=True)
+def ring_bell(c: Cue) -> list[KeyPose]:
     """A hanging rope pulled from high above the head down to the belly with both hands, again and again."""
-    keys: list[Key] = []
+    keys: list[KeyPose] = []
     for _ in range(c.times(3, 5, 2.2)):
         keys += [
             key(c.r(0.8, 1.1), 0.1, lead=(-0.3, 0.93, 0.2), off=(-0.34, 0.8, 0.2), head=(-0.5, 0, 0),
@@ -135,8 +135,8 @@ def ring_bell(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-@acted("kayak", group="sport", parts=UPPER, held_out=True)
-def kayak(c: Cue) -> list[Key]:
+@keyframed("kayak", group="sport", parts=UPPER, held_out=True)
+def kayak(c: Cue) -> list[KeyPose]:
     """A double blade held across dips on one side and on the other in turn."""
     beat = c.r(0.5, 0.8)
     keys = [key(0.6, hands=(0.1, -0.15, 0.6), root=(0, 0, 0))]
@@ -149,8 +149,8 @@ def kayak(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-@acted("tie ponytail", group="gesture", parts=UPPER, precise=True, held_out=True)
-def tie_ponytail(c: Cue) -> list[Key]:
+@keyframed("tie ponytail", group="gesture", parts=UPPER, precise=True, held_out=True)
+def tie_ponytail(c: Cue) -> list[KeyPose]:
     """Both hands gather at the back of the head, wind there, and draw outward."""
     behind = np.array([-0.3, 0.42, -0.16])
     keys = [key(0.8, 0.2, hands=(-0.12, 0.5, 0.05), head=(0.15, 0, 0)), key(0.5, 0.3, hands=behind)]
@@ -162,8 +162,8 @@ def tie_ponytail(c: Cue) -> list[Key]:
     return [*keys, key(0.35, 0.2, hands=moved(behind, 0.22, 0.05, -0.03), head=(0, 0, 0)), back(0.8)]
 
 
-@acted("pump tyre", group="object", styled=False, held_out=True)
-def pump_tyre(c: Cue) -> list[Key]:
+@keyframed("pump tyre", group="object", styled=False, held_out=True)
+def pump_tyre(c: Cue) -> list[KeyPose]:
     """Bent over a foot pump, both hands push its handle down to the shins and draw it up to the belly."""
     beat = c.r(0.35, 0.6)
     keys = [key(0.7, hands=(-0.28, -0.55, 0.4), spine=(0.4, 0, 0), pelvis=(0.3, 0, 0), root=(0, -0.05, -0.08))]
@@ -175,8 +175,8 @@ def pump_tyre(c: Cue) -> list[Key]:
     return [*keys, back(0.8)]
 
 
-@acted("play accordion", group="object", parts=ARMS, held_out=True)
-def play_accordion(c: Cue) -> list[Key]:
+@keyframed("play accordion", group="object", parts=ARMS, held_out=True)
+def play_accordion(c: Cue) -> list[KeyPose]:
     """Hands before the chest draw apart and press together."""
     beat, height = c.r(0.5, 1.0), c.r(-0.4, -0.25)
     keys = [key(0.7, hands=(-0.12, height, 0.4), elbows=0.4)]
@@ -188,8 +188,8 @@ def play_accordion(c: Cue) -> list[Key]:
     return [*keys, back(0.7)]
 
 
-@acted("milk cow", group="object", styled=False, held_out=True)
-def milk_cow(c: Cue) -> list[Key]:
+@keyframed("milk cow", group="object", styled=False, held_out=True)
+def milk_cow(c: Cue) -> list[KeyPose]:
     """Low on the haunches, the hands before the knees pull down in turn."""
     beat, high, low = c.r(0.25, 0.45), np.array([-0.2, -0.1, 0.7]), np.array([-0.2, -0.32, 0.62])
     crouched: dict[str, ArrayLike] = {

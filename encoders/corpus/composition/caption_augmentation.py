@@ -15,8 +15,8 @@ from numpy.random import Generator
 
 from encoders.corpus.actions.programs import program_of
 from encoders.corpus.composition.facts import facts
-from encoders.corpus.composition.synthetic import told
-from encoders.corpus.language import parse
+from encoders.corpus.composition.synthetic_pairs import caption_and_hard_negative
+from encoders.corpus.language.parsing import parse
 from encoders.corpus.scene import ActionStep, Scene
 
 _MANNER = re.compile(r" (?:with|in an?|at an?|as if|as though|towards?|across|down)\b")
@@ -28,7 +28,7 @@ _ACTS = re.compile(
 
 
 @dataclass(frozen=True)
-class Retold:
+class AugmentedCaptions:
     """What is known of a real clip.
 
     Attributes
@@ -36,16 +36,18 @@ class Retold:
     facts : what its captions say that it shows
     meanings : for each caption, and then for each of `captions`, the facts it states; of a caption that was not
         understood itself, the actions that the others name
-    captions, swapped : the same in other words; for each a sentence that looks alike but is false, or empty
+    captions, hard_negatives : the same in other words; for each a sentence that looks alike but is false, or empty
     """
 
     facts: frozenset[str]
     meanings: tuple[frozenset[str], ...]
     captions: tuple[str, ...]
-    swapped: tuple[str, ...]
+    hard_negatives: tuple[str, ...]
 
 
-def retell(captions: Sequence[str], rng: Generator, *, scene: Scene | None = None, count: int = 3) -> Retold | None:
+def augment_captions(
+    captions: Sequence[str], rng: Generator, *, scene: Scene | None = None, count: int = 3
+) -> AugmentedCaptions | None:
     """What is said of one clip, and `count` more ways to say it; None where no caption is understood.
 
     `scene` is what the captions say where that is known without reading them.
@@ -56,9 +58,11 @@ def retell(captions: Sequence[str], rng: Generator, *, scene: Scene | None = Non
         return None
     shown = frozenset().union(*(facts(_ahead(scene)) for scene in known))
     actions = frozenset(fact for fact in shown if not set(fact) & set(".<+"))
-    said, stated, false = zip(*(told(known[int(rng.integers(len(known)))], rng) for _ in range(count)), strict=True)
+    said, stated, false = zip(
+        *(caption_and_hard_negative(known[int(rng.integers(len(known)))], rng) for _ in range(count)), strict=True
+    )
     meanings = [actions if read is None else facts(read) for read in scenes]
-    return Retold(shown, (*meanings, *stated), said, false)
+    return AugmentedCaptions(shown, (*meanings, *stated), said, false)
 
 
 @lru_cache(maxsize=10_000)

@@ -1,6 +1,6 @@
-"""Manners in which no training clip is acted; rows like those of `encoders.corpus.engine.style.STYLES`."""
+"""Manners in which no training clip is acted; rows like those of `encoders.corpus.engine.style.HELD_OUT_STYLES`."""
 
-STYLES: dict[str, dict[str, float]] = {
+HELD_OUT_STYLES: dict[str, dict[str, float]] = {
     "wading": {"pace": -0.6, "stride": -0.1, "swing": 0.1, "lift": 0.2, "apart": 0.3, "raised": 0.2, "bend": 0.1,
         "bounce": 0.2, "sway": 0.3},
     "on ice": {"pace": -0.45, "stride": -0.7, "width": 0.4, "apart": 0.4, "raised": 0.25, "elbow": 0.2, "bend": 0.2,

@@ -9,17 +9,18 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 
-from encoders.corpus.actions.programs import program
 from encoders.corpus.engine.curves import ARMS, BODY, Array, Curves
-from encoders.corpus.engine.keyframes import Key, key, play
+from encoders.corpus.engine.keyframes import KeyPose, key, play
+from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
 HANDS = ("left", "right", "both")
 SIDED = ("left", "right")
-SIZES = ("small", "large")
 ONE_ARM = frozenset({"lead_arm"})
+#: Wrist at the mouth: (outward, upward, forward) of its shoulder in arm lengths.
+MOUTH = (-0.25, 0.14, 0.34)
 UPPER = frozenset({"spine", "head", "left_arm", "right_arm"})
 
 _TEMPO = {"": 1.0, "slow": 1.55, "fast": 0.66}
@@ -97,10 +98,10 @@ class Cue:
         return self.r(low, high) if named is None else named
 
 
-Blocking = Callable[[Cue], list[Key]]
+Blocking = Callable[[Cue], list[KeyPose]]
 
 
-def acted(
+def keyframed(
     name: str, *, group: str, parts: Iterable[str] = BODY, precise: bool = False, **particulars: object
 ) -> Callable[[Blocking], Blocking]:
     """Register a function from a `Cue` to key poses as an action program.
@@ -148,7 +149,7 @@ def grip(across: float, up: float, ahead: float, apart: float = 0.06) -> dict[st
 
 def orbit(
     channel: str, centre: ArrayLike, first: ArrayLike, second: ArrayLike, turns: int, seconds: float
-) -> list[Key]:
+) -> list[KeyPose]:
     """Keys that carry a channel round an ellipse `turns` times: half axes `first` (where it begins) and `second`."""
     angle = np.arange(1, turns * 8 + 1)[:, None] * (np.pi / 4)
     points = np.asarray(centre) + np.cos(angle) * np.asarray(first) + np.sin(angle) * np.asarray(second)

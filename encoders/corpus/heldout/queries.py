@@ -9,7 +9,7 @@ from pathlib import Path
 
 from numpy.random import Generator
 
-ACTIONS: dict[str, tuple[str, ...]] = {
+ACTION_QUERIES: dict[str, tuple[str, ...]] = {
     "burpee": (
         "a person does burpees", "someone squats, kicks the legs back and leaps up", "burpees",
         "a man drops to a push up position and jumps up with raised arms",
@@ -60,7 +60,7 @@ ACTIONS: dict[str, tuple[str, ...]] = {
     ),
 }  # fmt: skip
 
-STYLES: dict[str, tuple[str, ...]] = {
+STYLE_PHRASES: dict[str, tuple[str, ...]] = {
     "wading": ("as if wading through deep water", "like in knee-deep snow"),
     "on ice": ("as if on slippery ice", "carefully, as on a frozen lake"),
     "bloated": ("as if stuffed after a feast", "with a full, heavy belly"),
@@ -72,21 +72,21 @@ STYLES: dict[str, tuple[str, ...]] = {
 }
 
 
-def sentence(action: str, rng: Generator) -> str:
+def action_query(action: str, rng: Generator) -> str:
     """One of the sentences for an action that training never meets."""
-    return str(rng.choice(ACTIONS[action]))
+    return str(rng.choice(ACTION_QUERIES[action]))
 
 
-def in_the_manner(text: str, style: str, rng: Generator) -> str:
+def with_style(text: str, style: str, rng: Generator) -> str:
     """A sentence that says the manner too."""
-    return f"{text.rstrip(' .')} {rng.choice(STYLES[style])}"
+    return f"{text.rstrip(' .')} {rng.choice(STYLE_PHRASES[style])}"
 
 
 @cache
-def wordings() -> Mapping[str, tuple[str, ...]]:
+def paraphrase_queries() -> Mapping[str, tuple[str, ...]]:
     """Sentences that say of a known action that somebody does it, by action; no caption may equal one of them.
 
     Their phrases are in no table of the corpus.
     """
-    stored = json.loads((Path(__file__).parent / "wordings.json").read_text("utf-8"))
+    stored = json.loads((Path(__file__).parent / "paraphrase_queries.json").read_text("utf-8"))
     return {action: tuple(sentences) for action, sentences in stored.items()}
