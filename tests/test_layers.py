@@ -40,13 +40,7 @@ CYCLES: set[tuple[str, ...]] = {
     ("encoders.drawing.capsules", "encoders.drawing.player", "encoders.motion"),
     ("indexer.ingest.captions", "indexer.ingest.changes", "indexer.store.writer"),
 }
-IMPORTING_FOLDERS = {
-    "encoders.corpus.actions.dance",
-    "encoders.corpus.actions.gestures",
-    "encoders.corpus.actions.objects",
-    "encoders.corpus.actions.sports",
-    "encoders.corpus.language",
-}
+IMPORTING_FOLDERS: set[str] = set()
 
 #: Where torch may be imported; nothing else may import these at its top.
 TRAINING = ("encoders.tmr", "search.release")
