@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.drawing.player import player
+from encoders.geometry import resample
 from encoders.skeleton import JOINTS, MIRROR
 
 FPS = 20.0
@@ -71,20 +73,11 @@ class Motion:
         """
         if fps == self.fps:
             return self
-        if not (np.isfinite(fps) and fps > 0):
-            raise ValueError(f"fps={fps} must be positive")
-        count = int(np.floor((len(self.joints) - 1) * fps / self.fps + 1e-6)) + 1
-        at = np.arange(count) * (self.fps / fps)
-        low = np.minimum(at.astype(np.int64), len(self.joints) - 1)
-        high = np.minimum(low + 1, len(self.joints) - 1)
-        weight = (at - low).astype(np.float32)[:, None, None]
-        return Motion(self.joints[low] * (1 - weight) + self.joints[high] * weight, fps)
+        return Motion(resample(self.joints, self.fps, fps), fps)
 
     def _repr_html_(self) -> str:
         """The motion, moving, in a notebook."""
-        from encoders.drawing.player import player
-
-        return player([(self, f"{self.duration:.1f} s")])
+        return player([(self.joints, self.fps, f"{self.duration:.1f} s")])
 
     def mirror(self) -> Motion:
         """Left and right swapped, x flipped."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from html import escape
 from typing import Any, SupportsIndex, overload
 
+from encoders.drawing.player import player
 from encoders.errors import LibraryError
 from encoders.motion import Motion
 
@@ -92,19 +93,18 @@ class Hits(list[Hit]):
 
     def _repr_html_(self) -> str | None:
         """The hits, moving, in a notebook; None where there is none whose motion is within reach."""
-        from encoders.drawing.player import player
-
         try:
-            motions = [(hit.read(), _legend(hit)) for hit in self[:_SHOWN] if hit.read is not None]
+            shown = [(hit.read(), _legend(hit)) for hit in self[:_SHOWN] if hit.read is not None]
         except LibraryError:  # closed since
             return None
-        if not motions:
+        if not shown:
             return None
         more = len(self) - _SHOWN
         rest = f"<p>{escape(f'and {more} more')}</p>" if more > 0 else ""
-        if len(motions) == 1:
-            return player(motions) + rest
-        return player(motions, seconds=_SECONDS, width=200) + rest
+        takes = [(motion.joints, motion.fps, legend) for motion, legend in shown]
+        if len(takes) == 1:
+            return player(takes) + rest
+        return player(takes, seconds=_SECONDS, width=200) + rest
 
 
 def _legend(hit: Hit) -> str:

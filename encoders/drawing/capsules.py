@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.motion import Motion
 from encoders.skeleton import INDEX
 
+#: Radians from where a person faces to where the viewer stands: seen from the front, a third to the side.
+VIEW = 0.6
 #: Seconds over which the camera's aim is averaged, so that it follows without shaking.
 _FOLLOW = 1.2
 
@@ -63,23 +64,23 @@ def capsules(joints: NDArray[np.float32]) -> NDArray[np.float32]:
     return ends
 
 
-def aim(motion: Motion) -> NDArray[np.float32]:
-    """Where on the ground a camera looks that follows the pelvis: x and z (T, 2) in metres."""
-    pelvis = motion.joints[:, 0, [0, 2]].astype(np.float64)
+def aim(joints: NDArray[np.float32], fps: float) -> NDArray[np.float32]:
+    """Where on the ground a camera looks that follows the pelvis of joints (T, 22, 3): x and z (T, 2) in metres."""
+    pelvis = joints[:, 0, [0, 2]].astype(np.float64)
     frames = np.arange(len(pelvis))
-    reach = np.minimum(round(_FOLLOW * motion.fps / 2), np.minimum(frames, len(pelvis) - 1 - frames))
+    around = np.minimum(round(_FOLLOW * fps / 2), np.minimum(frames, len(pelvis) - 1 - frames))
     sums = np.concatenate([np.zeros((1, 2)), np.cumsum(pelvis, axis=0)])
-    mean = (sums[frames + reach + 1] - sums[frames - reach]) / (2 * reach + 1)[:, None]
+    mean = (sums[frames + around + 1] - sums[frames - around]) / (2 * around + 1)[:, None]
     return np.asarray(mean, np.float32)
 
 
-def heading(motion: Motion) -> float:
-    """The way the hips mostly face, as an angle about Y from +Z, in radians."""
-    across = (motion.joints[:, INDEX["left_hip"]] - motion.joints[:, INDEX["right_hip"]]).sum(axis=0)
+def heading(joints: NDArray[np.float32]) -> float:
+    """The way the hips of joints (T, 22, 3) mostly face, as an angle about Y from +Z, in radians."""
+    across = (joints[:, INDEX["left_hip"]] - joints[:, INDEX["right_hip"]]).sum(axis=0)
     return float(np.arctan2(-across[2], across[0]))
 
 
-def reach(motion: Motion) -> tuple[float, float]:
-    """How far any joint goes from where the camera aims, sideways and up, in metres."""
-    aside = motion.joints[:, :, [0, 2]] - aim(motion)[:, None]
-    return float(np.linalg.norm(aside, axis=-1).max()), float(motion.joints[..., 1].max())
+def reach(joints: NDArray[np.float32], fps: float) -> tuple[float, float]:
+    """How far any of the joints (T, 22, 3) goes from where the camera aims, sideways and up, in metres."""
+    aside = joints[:, :, [0, 2]] - aim(joints, fps)[:, None]
+    return float(np.linalg.norm(aside, axis=-1).max()), float(joints[..., 1].max())

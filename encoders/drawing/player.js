@@ -1,7 +1,7 @@
 // Plays every motion of this document that does not play yet: docs/design.md, "A motion in a notebook".
 (() => {
   const CAPSULES = "CAPSULES";
-  const [PITCH, SIDE, AWAY] = [0.2, 0.6, 7];
+  const [PITCH, SIDE, AWAY] = [0.2, "VIEW", 7];
   const LIGHT = { body: [106, 99, 90], left: [221, 90, 34], right: [156, 147, 135], floor: "#efebe3", line: "#c9c1b2", ink: "#1d1a16" };
   const DARK = { body: [207, 199, 186], left: [255, 130, 70], right: [150, 141, 129], floor: "#211f1c", line: "#4a443c", ink: "#f3eee5" };
   const still = matchMedia("(prefers-reduced-motion: reduce)").matches;

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from encoders.geometry import length, unit
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX
 
@@ -78,15 +79,9 @@ _CONTACT_SPEED, _CONTACT_HEIGHT = 0.4, 0.1
 _FARTHEST = 1e6  # metres: keeps squares of absurd but finite input within float32
 
 
-def _length(vectors: Array) -> Array:
-    length: Array = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
-    return length
-
-
 def _unit(vectors: Array) -> Array:
-    """Vectors of length one; (near) zero vectors become zero."""
-    unit: Array = vectors / np.maximum(_length(vectors), np.float32(1e-6))[..., None]
-    return unit
+    """Vectors of length one; those shorter than a micrometre count as none."""
+    return unit(vectors, 1e-6)
 
 
 def _cross(a: Array, b: Array) -> Array:
@@ -117,7 +112,7 @@ def _smooth(values: Array) -> Array:
 
 def _scale(limbs: Array) -> Array:
     """Target leg length over this body's own, the median over frames; 1 where the body has no legs."""
-    legs = np.median(_length(limbs[..., _LEG, :]).sum(-1), axis=0)
+    legs = np.median(length(limbs[..., _LEG, :]).sum(-1), axis=0)
     scale: Array = np.where(legs > 1e-4, _LENGTHS[_LEG].sum() / np.maximum(legs, 1e-4), 1).astype(np.float32)
     return scale
 
@@ -170,7 +165,7 @@ def _points(up: Array, hips: Array, shoulders: Array, head: Array, limbs: Array)
 
 def _contacts(points: Array, velocities: Array, root_velocity: Array, height: Array) -> Array:
     """How surely each of `SOLES` stands on the ground, 0..1: one at rest on it, less the faster and the higher."""
-    speed = _length(velocities[..., _SOLES, :] + root_velocity[..., None, :])
+    speed = length(velocities[..., _SOLES, :] + root_velocity[..., None, :])
     above = np.maximum(points[..., _SOLES, 1] + height[..., None] - _SOLE_HEIGHTS, 0)
     contacts: Array = 1 / (1 + (speed / _CONTACT_SPEED) ** 2 + (above / _CONTACT_HEIGHT) ** 2)
     return contacts

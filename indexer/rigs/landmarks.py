@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from encoders.geometry import Array
+from encoders.geometry import Array, interpolate
 from indexer.rigs.mapping import SIDES, RigMap
 
 
@@ -54,7 +54,8 @@ class Figure:
 
     def sampled(self, at: Array) -> Figure:
         """The figure at times counted in frames, interpolated linearly."""
-        return Figure({name: sampled(place, at) for name, place in self.marks.items()}, sampled(self.spine, at))
+        marks = {name: interpolate(place, at) for name, place in self.marks.items()}
+        return Figure(marks, interpolate(self.spine, at))
 
     def middle(self, joint: str) -> Array:
         """Point (T, 3) between the left and the right one."""
@@ -84,12 +85,3 @@ class Figure:
 def _is_one(a: Array, b: Array) -> bool:
     """Are two tracks (T, 3) the same?"""
     return bool(np.allclose(a, b, rtol=0, atol=1e-6 * max(float(np.abs(a).max()), 1e-9)))
-
-
-def sampled(track: Array, at: Array) -> Array:
-    """A track (T, ...) at times counted in frames, interpolated linearly."""
-    low = np.minimum(at.astype(np.int64), len(track) - 1)
-    high = np.minimum(low + 1, len(track) - 1)
-    share = (at - low).reshape(-1, *[1] * (track.ndim - 1))
-    mixed: Array = track[low] * (1 - share) + track[high] * share
-    return mixed

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.errors import UnreadableMotion
-from encoders.geometry import angle_between
+from encoders.geometry import angle_between, interpolate
 from encoders.motion import FPS, Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS
 from indexer.formats.take import Take
-from indexer.rigs.landmarks import Figure, sampled
+from indexer.rigs.landmarks import Figure
 from indexer.rigs.mapping import SIDES, map_rig
 from indexer.rigs.orientation import orientation
 from indexer.rigs.rebuild import ARM, LEG, build, rebuild
@@ -76,7 +76,7 @@ def retarget(
     matrix = orientation(figure, rest)
     scale = LEG_LENGTH / figure.leg_length()
     if take.names == JOINTS and not joint_map:
-        joints = rebuild(sampled(take.positions[posing:], at) @ matrix.T, scale)
+        joints = rebuild(interpolate(take.positions[posing:], at) @ matrix.T, scale)
     else:
         figure, rest = figure.transformed(matrix), rest.transformed(matrix)
         joints = build(figure, scale, calibrate(figure, rest))

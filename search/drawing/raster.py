@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.drawing.capsules import CAPSULES, RADII, aim, capsules, heading, reach
+from encoders.drawing.capsules import CAPSULES, RADII, VIEW, aim, capsules, heading, reach
+from encoders.geometry import interpolate
 from encoders.motion import Motion
 from search.drawing.camera import Camera
 
@@ -37,12 +38,12 @@ class Stage:
     """
 
     def __init__(self, motion: Motion, width: int, height: int, *, grid: bool = True) -> None:
-        aside, up = reach(motion)
+        aside, up = reach(motion.joints, motion.fps)
         zoom = float(np.clip(max(aside / 0.9, up / 1.85), 1, 2.2))
         away = 4.9 * zoom / min(1.0, 1.15 * width / height)
         eye = float(np.clip(up / 2 - 0.05, 0.86, 1.6))
-        yaw = heading(motion) + 0.6
-        self._motion, self._aim = motion, aim(motion)
+        yaw = heading(motion.joints) + VIEW
+        self._motion, self._aim = motion, aim(motion.joints, motion.fps)
         self._fine = Camera(width * _FINE, height * _FINE, yaw, away, eye)
         ground = Camera(width, height, yaw, away, eye).ground
         self._horizon = int(np.argmax(np.linalg.norm(ground, axis=-1).min(axis=1) < _FAR))  # the first row with ground
@@ -107,11 +108,7 @@ def _enlarged(coarse: Floats, height: int, width: int) -> Floats:
     """An image (h, w) at another size, in straight lines between samples."""
     for axis, size in enumerate((height, width)):
         at = np.clip((np.arange(size) + 0.5) / _COARSE - 0.5, 0, coarse.shape[axis] - 1)
-        low = at.astype(np.int64)
-        high = np.minimum(low + 1, coarse.shape[axis] - 1)
-        weight = (at - low).astype(np.float32)
-        weight = weight[:, None] if axis == 0 else weight
-        coarse = np.take(coarse, low, axis) * (1 - weight) + np.take(coarse, high, axis) * weight
+        coarse = interpolate(coarse, at, axis)
     return coarse
 
 

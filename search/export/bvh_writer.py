@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.errors import QueryError, UnknownRig, UnreadableMotion
+from encoders.geometry import rotation_between
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, JOINTS, PARENTS
 from indexer.formats import bvh as reader
@@ -142,25 +143,10 @@ def _global_turns(joints: Array) -> Array:
         if len(children) == 0:
             turns[:, joint] = above
         elif len(children) == 1:
-            turns[:, joint] = _between(above @ _OFFSETS[children[0]], bones[:, 0]) @ above
+            turns[:, joint] = rotation_between(above @ _OFFSETS[children[0]], bones[:, 0]) @ above
         else:
             turns[:, joint] = _kabsch(_OFFSETS[children], bones)
     return turns
-
-
-def _between(a: Array, b: Array) -> Array:
-    """The smallest rotations (T, 3, 3) that turn vectors a (T, 3) to the directions of b (Rodrigues' formula)."""
-    a = a / np.maximum(np.linalg.norm(a, axis=-1, keepdims=True), 1e-9)
-    b = b / np.maximum(np.linalg.norm(b, axis=-1, keepdims=True), 1e-9)
-    v, cosine = np.cross(a, b), np.einsum("ti,ti->t", a, b)
-    skew = np.zeros((len(a), 3, 3))
-    skew[:, [2, 0, 1], [1, 2, 0]] = v
-    skew[:, [1, 2, 0], [2, 0, 1]] = -v
-    turned = np.eye(3) + skew + skew @ skew / np.maximum(1 + cosine, 1e-9)[:, None, None]
-    side = np.cross(a, np.eye(3)[np.abs(a).argmin(axis=-1)])  # where they are opposite: half a turn about any normal
-    side /= np.maximum(np.linalg.norm(side, axis=-1, keepdims=True), 1e-9)
-    half = 2 * side[:, :, None] * side[:, None, :] - np.eye(3)
-    return np.where((cosine < -1 + 1e-6)[:, None, None], half, turned)
 
 
 def _kabsch(rest: Array, bones: Array) -> Array:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.geometry import interpolate
 from encoders.protocol import Encoder
 
 Vectors = NDArray[np.float32]
@@ -90,8 +91,4 @@ def curve(windows: Scored, times: NDArray[np.float64]) -> Vectors:
         Seconds.
     """
     centres = (windows.starts + windows.ends) / 2
-    at = np.clip(np.searchsorted(centres, times), 1, max(len(centres) - 1, 1))
-    low, high = at - 1, np.minimum(at, len(centres) - 1)
-    weight = np.clip((times - centres[low]) / np.maximum(centres[high] - centres[low], 1e-9), 0, 1)
-    blended: Vectors = (windows.scores[:, low] * (1 - weight) + windows.scores[:, high] * weight).astype(np.float32)
-    return blended
+    return interpolate(windows.scores, np.interp(times, centres, np.arange(len(centres))), axis=1)

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.geometry import interpolate
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 
@@ -37,7 +38,4 @@ def likeness(bundle: Encoder, motion: Motion, others: Sequence[Motion]) -> NDArr
 
 def _track(features: NDArray[np.float32]) -> NDArray[np.float64]:
     """Features (T, F) at evenly spread moments (32, F)."""
-    at = np.linspace(0, len(features) - 1, _MOMENTS)
-    low = at.astype(np.int64)
-    share = (at - low)[:, None]
-    return np.asarray(features[low] * (1 - share) + features[np.minimum(low + 1, len(features) - 1)] * share)
+    return interpolate(features.astype(np.float64), np.linspace(0, len(features) - 1, _MOMENTS))

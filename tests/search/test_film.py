@@ -55,8 +55,8 @@ def test_the_camera_follows_a_figure_that_walks_away() -> None:
 def test_the_aim_is_the_pelvis_smoothed_and_keeps_its_ends() -> None:
     motion = made_motion(5, 2)
     pelvis = motion.joints[:, 0, [0, 2]]
-    assert np.allclose(aim(motion)[[0, -1]], pelvis[[0, -1]], atol=1e-5)
-    assert np.abs(aim(motion) - pelvis).max() < 0.5
+    assert np.allclose(aim(motion.joints, motion.fps)[[0, -1]], pelvis[[0, -1]], atol=1e-5)
+    assert np.abs(aim(motion.joints, motion.fps) - pelvis).max() < 0.5
 
 
 def test_capsules_span_their_joints_and_go_on_beyond_the_last() -> None:

@@ -117,7 +117,8 @@ def test_it_is_dark_where_its_surroundings_are(shown: Shown) -> None:
 
 def test_text_of_files_is_never_markup(shown: Shown) -> None:
     said = '</script></figcaption><img src=x onerror="alert(1)"><script>alert(2)</script>'
-    page = shown(player([(made_motion(1, 0), said)]))
+    motion = made_motion(1, 0)
+    page = shown(player([(motion.joints, motion.fps, said)]))
     assert page.inner_text("figcaption") == said
     assert page.locator("img").count() == 0
 
