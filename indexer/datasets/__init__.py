@@ -1,1 +1,1 @@
-"""Folders of captioned motion to train and validate on."""
+"""Folders of captioned or labelled motion, to train, validate and evaluate on."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Iterator
 from itertools import repeat
@@ -11,7 +10,7 @@ from typing import Any
 
 from encoders.corpus.composition.captioned_motion import CaptionedSpan, CaptionedTake
 from encoders.errors import MotionSeekError, QueryError
-from indexer.ingest.load import load_motion
+from indexer.datasets.archive_tables import load_row, read_manifest
 
 
 def captioned_takes(folder: Path, captions: Path, split: str) -> Iterator[CaptionedTake]:
@@ -27,47 +26,40 @@ def captioned_takes(folder: Path, captions: Path, split: str) -> Iterator[Captio
     QueryError
         If the manifest or the captions cannot be read.
     """
-    try:
-        with (folder / "manifest.tsv").open(encoding="utf-8", newline="") as table:
-            rows = [r for r in csv.DictReader(table, delimiter="\t") if r["split"] == split and r["use"] == split]
-    except (OSError, KeyError, TypeError, ValueError) as error:
-        raise QueryError(f"{folder / 'manifest.tsv'}: no table of takes ({error!r}); see docs/training.md") from error
-    said = _said(captions, split)
+    rows = [r for r in read_manifest(folder, ("split", "use", "description")) if r["split"] == r["use"] == split]
+    captioned = _captioned_spans(captions, split)
     for row in rows:
-        rate = row["fps_true"] or row["fps_in_file"]
-        path = folder / row["path"]
         try:
-            motion = load_motion(path, fps=float(rate) if rate else None)
+            motion = load_row(folder, row)
         except MotionSeekError:
             continue
-        spans = tuple(s for s in said.get(row["trial"], ()) if s.start < motion.duration - 0.5)
-        if row["kind"] != "take":
-            spans = ()
+        timed = captioned.get(row["trial"], ()) if row["kind"] == "take" else ()
+        spans = tuple(span for span in timed if span.start < motion.duration - 0.5)
         yield CaptionedTake(row["path"], row["trial"], motion, row["description"], spans)
 
 
-def _said(captions: Path, split: str) -> dict[str, list[CaptionedSpan]]:
+def _captioned_spans(captions: Path, split: str) -> dict[str, list[CaptionedSpan]]:
     """The captioned spans of each trial of a split."""
-    said: dict[str, list[CaptionedSpan]] = {}
+    found: dict[str, list[CaptionedSpan]] = {}
     try:
         lines = [json.loads(line) for line in captions.read_text(encoding="utf-8").splitlines() if line.strip()]
         for line in lines:
             if line["split"] == split:
-                said.setdefault(line["trial"], []).extend(_spans(line))
+                found.setdefault(line["trial"], []).extend(_spans(line))
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise QueryError(f"{captions}: no captions as JSON lines ({error!r}); see docs/training.md") from error
     if not lines:
         raise QueryError(f"{captions}: holds no captions; see docs/training.md")
-    return said
+    return found
 
 
 def _spans(line: dict[str, Any]) -> list[CaptionedSpan]:
-    """What a line says of its span, and what of a part of it."""
+    """The captions of a line's span, and those of parts of it."""
     start = line["start_frame"] / line["fps"]
     end = float("inf") if line["end_frame"] < 0 else line["end_frame"] / line["fps"]
-    said: dict[tuple[float, float], list[str]] = {}
+    found: dict[tuple[float, float], list[str]] = {}
     for caption, part in zip(line["captions"], line.get("spans_s") or repeat(None), strict=False):
         first, last = part or (None, None)
         span = (start + (first or 0.0), end if last is None else min(start + last, end))
-        said.setdefault(span, []).append(caption)
-    return [CaptionedSpan(tuple(captions), *span) for span, captions in said.items()]
+        found.setdefault(span, []).append(caption)
+    return [CaptionedSpan(tuple(captions), *span) for span, captions in found.items()]

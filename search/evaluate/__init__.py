@@ -1,1 +1,1 @@
-"""How good the answers are: retrieval protocols, labelled archives, moments."""
+"""Protocols and metrics: retrieval among synthetic, captioned and labelled clips, moments, and the model card."""

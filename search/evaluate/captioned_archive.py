@@ -1,4 +1,4 @@
-"""How well sentences find the files of an archive that has descriptions: the project's real validation."""
+"""Retrieval in a captioned archive: how well captions find files with the same description. Real validation data."""
 
 from __future__ import annotations
 
@@ -17,42 +17,42 @@ from search.ranking.hubness import hubness_penalty
 
 
 @dataclass(frozen=True)
-class DescribedReport:
-    """Rank of the best right file for every sentence, by description.
+class CaptionReport:
+    """Rank of the best right file for every caption, by description.
 
     Attributes
     ----------
     files : number of files in the gallery
-    ranks : {description: 0-based ranks of its sentences, the description itself first}
-    told, told_by_cosine : percent of described files for which, of all the sentences, one about them comes first,
-        averaged over descriptions; as `describe` ranks sentences, and by their cosines alone
+    ranks : {description: 0-based ranks of its captions, the description itself first}
+    motion_to_sentence, motion_to_sentence_by_cosine : percent of described files whose first caption, of all captions,
+        is one of their description, averaged over descriptions; ranked as `describe` does, and by cosine alone
     """
 
     files: int
     ranks: dict[str, list[float]]
-    told: float
-    told_by_cosine: float
+    motion_to_sentence: float
+    motion_to_sentence_by_cosine: float
 
-    def found(self, k: int) -> float:
-        """Percent of sentences whose best right file is among the first k, averaged over descriptions."""
+    def recall(self, k: int) -> float:
+        """R@k: percent of captions whose best right file is among the first k, averaged over descriptions."""
         return 100 * float(np.mean([np.mean(np.array(row) < k) for row in self.ranks.values()]))
 
     def as_dict(self) -> dict[str, object]:
         return {
             "files": self.files,
             "descriptions": len(self.ranks),
-            **{f"R@{k}": self.found(k) for k in (1, 5, 10)},
-            "motion to sentence": self.told,
-            "motion to sentence by cosine alone": self.told_by_cosine,
+            **{f"R@{k}": self.recall(k) for k in (1, 5, 10)},
+            "motion to sentence": self.motion_to_sentence,
+            "motion to sentence by cosine alone": self.motion_to_sentence_by_cosine,
             "ranks": {description: [r + 1 for r in row] for description, row in self.ranks.items()},
         }
 
 
-def evaluate_described(takes: Iterable[CaptionedTake], bundle: Encoder) -> DescribedReport:
-    """Ask for each description, and for each sentence people wrote about its files; gallery: all the files whole.
+def evaluate_captions(takes: Iterable[CaptionedTake], encoder: Encoder) -> CaptionReport:
+    """Query with each description and each caption of its files; the gallery is all files, each as a whole.
 
     A file is right for a description if its owner described it so, in whatever rig. Files described as "unknown" stay
-    in the gallery and are never asked for.
+    in the gallery and give no queries.
 
     Raises
     ------
@@ -61,30 +61,30 @@ def evaluate_described(takes: Iterable[CaptionedTake], bundle: Encoder) -> Descr
     """
     takes = list(takes)
     descriptions = np.array([take.description for take in takes])
-    asked: dict[str, list[str]] = {}
+    captions: dict[str, list[str]] = {}
     for take in takes:
         if take.description and take.description.lower() != "unknown":
-            sentences = asked.setdefault(take.description, [take.description])
-            sentences += [c for span in take.spans for c in span.captions if c not in sentences]
-    if not asked:
+            known = captions.setdefault(take.description, [take.description])
+            known += [caption for span in take.spans for caption in span.captions if caption not in known]
+    if not captions:
         raise QueryError("no take of that split can be read and has a description; see docs/evaluation.md")
-    gallery = bundle.encode_motions([take.motion for take in takes])
+    gallery = encoder.encode_motions([take.motion for take in takes])
     found = {}
-    for description, sentences in asked.items():
-        similarity = encode_queries(bundle, sentences) @ gallery.T
+    for description, texts in captions.items():
+        similarity = encode_queries(encoder, texts) @ gallery.T
         right = np.broadcast_to(descriptions == description, similarity.shape)
         found[description] = ranks(similarity, right).tolist()
-    every = bundle.encode_texts([sentence for sentences in asked.values() for sentence in sentences])
-    about = np.repeat(list(asked), [len(sentences) for sentences in asked.values()])
+    plain = encoder.encode_texts([text for texts in captions.values() for text in texts])
+    about = np.repeat(list(captions), [len(texts) for texts in captions.values()])
     files = np.flatnonzero(np.isin(descriptions, about))
-    cosines = gallery[files] @ every.T
-    told, by_cosine = (
-        _averaged(about[scores.argmax(axis=1)] == descriptions[files], descriptions[files])
-        for scores in (cosines - hubness_penalty(bundle, every), cosines)
+    cosines = gallery[files] @ plain.T
+    ranked, by_cosine = (
+        _mean_over_groups(about[scores.argmax(axis=1)] == descriptions[files], descriptions[files])
+        for scores in (cosines - hubness_penalty(encoder, plain), cosines)
     )
-    return DescribedReport(len(takes), found, told, by_cosine)
+    return CaptionReport(len(takes), found, ranked, by_cosine)
 
 
-def _averaged(right: NDArray[np.bool_], group: NDArray[np.str_]) -> float:
-    """Percent that is right, the mean over groups."""
+def _mean_over_groups(right: NDArray[np.bool_], group: NDArray[np.str_]) -> float:
+    """Percent that is right in each group, averaged over groups."""
     return 100 * float(np.mean([right[group == name].mean() for name in np.unique(group)]))

@@ -1,8 +1,8 @@
-"""The model card: every figure of a bundle, measured now and written as one page."""
+"""The model card: all figures of a bundle, measured now and written as one page of Markdown."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,32 +12,36 @@ from encoders.corpus.composition.seeds import TEST
 from encoders.corpus.composition.synthetic_pairs import SyntheticClip, synthetic_clips
 from encoders.features.registry import FEATURE_KINDS
 from indexer.datasets.captioned_takes import captioned_takes
-from search.evaluate.captioned_archive import evaluate_described
+from indexer.datasets.labelled_clips import labelled_clips
+from search.evaluate.captioned_archive import CaptionReport, evaluate_captions
 from search.evaluate.corpus_retrieval import evaluate_corpus
 from search.evaluate.labelled_archive import LabelReport, evaluate_labels
-from search.evaluate.out_of_domain import evaluate_nonsense
+from search.evaluate.markdown import markdown_table
+from search.evaluate.out_of_domain import evaluate_out_of_domain
 
 _ABOUT = """# The model
 
-Made by `motionseek model card`; every figure below was measured by that command on the bundle named here.
+Written by `motionseek model card`; every figure below was measured by that command on the bundle named here.
 
 | | |
 |---|---|
 | name | {name} |
 | fingerprint | `{fingerprint}` |
 | size | {megabytes:.1f} MB |
-| what it is | TMR (ICCV 2023) on {kind} features at {fps:g} frames a second, {latent} numbers a vector |
+| architecture | TMR (ICCV 2023) on {kind} features at {fps:g} frames a second, {latent} numbers a vector |
 | language model | {language}, frozen, inside `text.onnx` |
 | training | {training} |
 | licence | {licence} |
 
-Trained on motion made by rule (`encoders/corpus`) and on takes of the CMU Graphics Lab Motion Capture Database
-(mocap.cs.cmu.edu, created with funding from NSF EIA-0196217) with sentences of HumanML3D (MIT). Nothing marked for
+Trained on synthetic motion (`encoders/corpus`) and on takes of the CMU Graphics Lab Motion Capture Database
+(mocap.cs.cmu.edu, created with funding from NSF EIA-0196217) with sentences of HumanML3D (MIT). Nothing that is for
 evaluation only was trained on or selected on.
 """
+#: Clips that out-of-domain sentences are compared with.
+_OUT_OF_DOMAIN_CLIPS = 300
 
 
-def card(
+def model_card(
     bundle: Bundle,
     *,
     real: Path | None = None,
@@ -50,18 +54,25 @@ def card(
     Parameters
     ----------
     real, captions : Path, optional
-        Captioned takes; their split "val" is asked.
+        Folder of captioned takes and their captions, of which the split "val" is evaluated.
     labelled : Path, optional
-        A folder with labels.tsv and queries.tsv.
+        Folder with labels.tsv and queries.tsv.
     count : int
-        Made clips in the gallery.
+        Synthetic clips in the gallery.
+
+    Raises
+    ------
+    QueryError
+        If a table or the captions cannot be read.
+    BundleError
+        If the bundle carries no calibration.
     """
     clips = list(synthetic_clips(TEST, count, FEATURE_KINDS[bundle.feature_kind]))
-    parts = [_about(bundle), *_made(clips, bundle)]
+    parts = [_about(bundle), *_synthetic(clips, bundle)]
     if real is not None and captions is not None:
-        parts += _real(real, captions, bundle)
+        parts += _captioned(evaluate_captions(captioned_takes(real, captions, "val"), bundle))
     if labelled is not None:
-        parts += _labelled(evaluate_labels(labelled, Path("labels.tsv"), Path("queries.tsv"), bundle))
+        parts += _labelled(evaluate_labels(labelled_clips(labelled), bundle))
     return "\n".join(parts) + "\n"
 
 
@@ -81,33 +92,32 @@ def _about(bundle: Bundle) -> str:
     )
 
 
-def _made(clips: Sequence[SyntheticClip], bundle: Bundle) -> list[str]:
+def _synthetic(clips: Sequence[SyntheticClip], bundle: Bundle) -> list[str]:
     figures = evaluate_corpus(clips, bundle)
     rows = [(name, *(f"{v:.1f}" for v in row.values())) for name, row in figures.items() if "R@1" in row]
-    some = bundle.encode_features([clip.features for clip in clips[:300]])
-    nonsense = evaluate_nonsense(bundle, some)
-    swapped = figures.get("swapped", {"told apart": 0.0, "pairs": 0.0})
+    gallery = bundle.encode_features([clip.features for clip in clips[:_OUT_OF_DOMAIN_CLIPS]])
+    out_of_domain = evaluate_out_of_domain(bundle, gallery)
+    negatives = figures.get("hard negatives", {"accuracy": 0.0, "pairs": 0.0})
     return [
-        f"## {len(clips)} made motions that nobody trained on\n",
-        table(("", "R@1", "R@2", "R@3", "R@5", "R@10", "median rank"), rows),
-        f"\nSwapped pairs (order, side, direction or count changed), true sentence above the false one: "
-        f"{swapped['told apart']:.1f} % of {swapped['pairs']:.0f}.",
-        f"\nSentences about other things ({nonsense['sentences']:.0f}) called strong: {nonsense['strong']:.0f} %, "
-        f"plausible: {nonsense['plausible']:.0f} %.\n",
+        f"## {len(clips)} synthetic clips held out of training\n",
+        markdown_table(("", "R@1", "R@2", "R@3", "R@5", "R@10", "median rank"), rows),
+        f"\nHard negatives (order, side, direction or count changed), caption ranked above its negative: "
+        f"{negatives['accuracy']:.1f} % of {negatives['pairs']:.0f}.",
+        f"\nOut-of-domain sentences ({out_of_domain['sentences']:.0f}) called strong: {out_of_domain['strong']:.0f} %, "
+        f"plausible: {out_of_domain['plausible']:.0f} %.\n",
     ]
 
 
-def _real(folder: Path, captions: Path, bundle: Bundle) -> list[str]:
-    report = evaluate_described(captioned_takes(folder, captions, "val"), bundle)
+def _captioned(report: CaptionReport) -> list[str]:
     worst = sorted(report.ranks.items(), key=lambda row: -float(np.mean(row[1])))[:8]
     return [
         f"## {report.files} real takes of the validation split\n",
-        "For each description and each sentence people wrote, the rank of the best file it describes; averaged over "
-        f"{len(report.ranks)} descriptions.\n",
-        table(("first", "found"), [(str(k), f"{report.found(k):.1f} %") for k in (1, 5, 10)]),
-        f"\nMotion to sentence, first of all these sentences right: {report.told:.1f} % "
-        f"({report.told_by_cosine:.1f} % by cosine alone).\n",
-        "Found worst (mean rank): " + "; ".join(f"{text} ({np.mean(row) + 1:.0f})" for text, row in worst) + ".\n",
+        "For each description and each caption of its files, the rank of the best file with the description; averaged "
+        f"over {len(report.ranks)} descriptions.\n",
+        markdown_table(("R@k", "percent"), [(str(k), f"{report.recall(k):.1f} %") for k in (1, 5, 10)]),
+        f"\nMotion to sentence, R@1 among all these sentences: {report.motion_to_sentence:.1f} % "
+        f"({report.motion_to_sentence_by_cosine:.1f} % by cosine alone).\n",
+        "Worst mean ranks: " + "; ".join(f"{text} ({np.mean(row) + 1:.0f})" for text, row in worst) + ".\n",
     ]
 
 
@@ -117,23 +127,12 @@ def _labelled(report: LabelReport) -> list[str]:
         for label, row in report.precisions.items()
     ]
     rows.append(("**mean**", str(sum(report.clips.values())), f"**{report.mean:.3f}**", ""))
-    return [
-        "## A labelled archive it has never seen (reported, never selected on)\n",
-        table(("label", "clips", "mean average precision", "of each query"), rows),
-        f"\nMotion to sentence, right among the labels at rank 1: {100 * report.top1:.1f} %.\n",
-        "What each label's clips are taken for (rows: the label; columns: the nearest sentence's), in percent:\n",
-        confusion(report),
-    ]
-
-
-def confusion(report: LabelReport) -> str:
-    """Per-class confusion as a table."""
     labels = list(report.confusion)
-    rows = [(label, *(f"{100 * share:.0f}" for share in report.confusion[label].values())) for label in labels]
-    return table(("", *labels), rows)
-
-
-def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A Markdown table."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    confusion = [(label, *(f"{100 * share:.0f}" for share in report.confusion[label].values())) for label in labels]
+    return [
+        "## A labelled archive held out of training and of model selection\n",
+        markdown_table(("label", "clips", "mean average precision", "of each query"), rows),
+        f"\nMotion to sentence, R@1 among one sentence of each label: {100 * report.top1:.1f} %.\n",
+        "Confusion in percent (row: the clips' label; column: the label of their nearest sentence):\n",
+        markdown_table(("", *labels), confusion),
+    ]

@@ -1,10 +1,11 @@
-"""Retrieval on made motions nobody trained on: whole gallery, batches of 32, and sentences with one thing changed."""
+"""Retrieval among synthetic clips: the whole gallery, batches of 32, held-out paraphrases and hard negatives."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from encoders.corpus.composition.facts import facts
 from encoders.corpus.composition.synthetic_pairs import SyntheticClip, relevance
@@ -15,48 +16,60 @@ from encoders.protocol import Encoder
 _BATCH = 32
 
 
-def evaluate_corpus(clips: Iterable[SyntheticClip], bundle: Encoder) -> dict[str, dict[str, float]]:
-    """Figures of the first caption of every clip against all clips.
+def evaluate_corpus(clips: Iterable[SyntheticClip], encoder: Encoder) -> dict[str, dict[str, float]]:
+    """Retrieval figures, with the first caption of every clip as query.
 
     Returns
     -------
     dict
-        "same sentence": clips with the same sentence count as right; "true of it": every clip of which the sentence
-        is known to be true counts; "words never met": sentences in which no caption puts it, about actions that
-        the clips show, true of every clip that shows the action; "batches of 32"; "swapped": percent of clips whose
-        true caption scores above a false one that differs in order, side, direction or count. What there are too few
-        clips for is left out.
+        "same sentence": clips with the same caption are right; "relevant clips": those of which the caption is known
+        to be true; "held-out paraphrases": sentences in words that no caption has, about actions of the clips, for
+        which every clip that shows the action is right; "batches of 32"; "hard negatives": percent of clips that score
+        higher with their caption than with one that differs in order, side, direction or count. Figures that need
+        more clips are left out.
     """
     clips = list(clips)
-    gallery = bundle.encode_features([clip.features[: bundle.max_frames] for clip in clips])
+    gallery = encoder.encode_features([clip.features[: encoder.max_frames] for clip in clips])
     sentences = [clip.captions[0] for clip in clips]
-    similarity = bundle.encode_texts(sentences) @ gallery.T
+    similarity = encoder.encode_texts(sentences) @ gallery.T
     same = np.array(sentences)[:, None] == np.array(sentences)[None, :]
-    true = relevance(clips) | same
     both = text_motion(similarity, same)
     figures = {
         "same sentence, text -> motion": both["text->motion"],
         "same sentence, motion -> text": both["motion->text"],
-        "true of it, text -> motion": recalls(ranks(similarity, true)),
+        "relevant clips, text -> motion": recalls(ranks(similarity, relevance(clips) | same)),
     }
+    figures |= _heldout_paraphrases(clips, gallery, encoder)
+    if len(clips) >= _BATCH:
+        figures[f"batches of {_BATCH}, text -> motion"] = in_batches(similarity, _BATCH)["text->motion"]
+    return figures | _hard_negatives(clips, np.diagonal(similarity), gallery, encoder)
+
+
+def _heldout_paraphrases(
+    clips: Sequence[SyntheticClip], gallery: NDArray[np.float32], encoder: Encoder
+) -> dict[str, dict[str, float]]:
+    """Recalls of the held-out sentences about actions that the clips show."""
     shown = [facts(clip.scene) for clip in clips]
-    asked = [
+    queries = [
         (text, action)
         for action, texts in paraphrase_queries().items()
         if any(action in f for f in shown)
         for text in texts
     ]
-    if asked:
-        right = np.array([[action in found for found in shown] for _, action in asked])
-        never_met = bundle.encode_texts([text for text, _ in asked]) @ gallery.T
-        figures["words never met, text -> motion"] = recalls(ranks(never_met, right))
-    if len(clips) >= _BATCH:
-        figures[f"batches of {_BATCH}, text -> motion"] = in_batches(similarity, _BATCH)["text->motion"]
-    changed = [i for i, clip in enumerate(clips) if clip.hard_negatives and clip.hard_negatives[0]]
-    if changed:
-        false = np.einsum(
-            "nd,nd->n", bundle.encode_texts([clips[i].hard_negatives[0] for i in changed]), gallery[changed]
-        )
-        told = np.diagonal(similarity)[changed] > false
-        figures["swapped"] = {"told apart": 100 * float(told.mean()), "pairs": float(len(changed))}
-    return figures
+    if not queries:
+        return {}
+    right = np.array([[action in found for found in shown] for _, action in queries])
+    similarity = encoder.encode_texts([text for text, _ in queries]) @ gallery.T
+    return {"held-out paraphrases, text -> motion": recalls(ranks(similarity, right))}
+
+
+def _hard_negatives(
+    clips: Sequence[SyntheticClip], own: NDArray[np.float32], gallery: NDArray[np.float32], encoder: Encoder
+) -> dict[str, dict[str, float]]:
+    """Accuracy between a clip's caption, whose similarities (N,) are `own`, and its hard negative."""
+    with_negative = [i for i, clip in enumerate(clips) if clip.hard_negatives and clip.hard_negatives[0]]
+    if not with_negative:
+        return {}
+    negatives = encoder.encode_texts([clips[i].hard_negatives[0] for i in with_negative])
+    right = own[with_negative] > np.einsum("nd,nd->n", negatives, gallery[with_negative])
+    return {"hard negatives": {"accuracy": 100 * float(right.mean()), "pairs": float(len(with_negative))}}

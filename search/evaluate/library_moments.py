@@ -1,4 +1,4 @@
-"""Every sentence asked of all takes at once, as of a library."""
+"""Moment retrieval in a library: every sentence is a query to all takes at once."""
 
 from __future__ import annotations
 
@@ -10,60 +10,68 @@ from numpy.typing import NDArray
 from encoders.corpus.composition.long_takes import AnnotatedTake, Annotation
 from encoders.protocol import Encoder
 from indexer.vectors.flat import FlatVectors, Found, Rows
-from search.evaluate.moment_metrics import Overlaps, best_overlaps
+from search.evaluate.moment_metrics import Overlaps, Spans, best_overlaps
 from search.moments.across_clips import best_moments
-from search.moments.window_scores import Vectors
 from search.source import MotionSource
 
+Vectors = NDArray[np.float32]
 
-class Gallery:
+
+class TakeGallery:
     """Takes whose windows lie in one index, as in a library; a take's id is its place."""
 
-    def __init__(self, bundle: Encoder) -> None:
-        self._bundle = bundle
-        self.takes: list[AnnotatedTake] = []
-        self.sources: list[MotionSource] = []
-        self._asked: list[tuple[int, Annotation, Vectors]] = []
+    def __init__(self, encoder: Encoder) -> None:
+        self._bundle = encoder
+        self._takes: list[AnnotatedTake] = []
+        self._sources: list[MotionSource] = []
+        self._queries: list[tuple[int, Annotation, Vectors]] = []
         self._index: FlatVectors | None = None
 
     def __len__(self) -> int:
-        return len(self.takes)
+        return len(self._takes)
 
     def add(self, take: AnnotatedTake, source: MotionSource, queries: Vectors) -> None:
-        """A take with the unit vectors (Q, D) of its marked sentences."""
-        self._asked += [
-            (len(self.takes), marked, query) for marked, query in zip(take.annotations, queries, strict=True)
+        """Add a take with the unit vectors (Q, D) of its annotated sentences."""
+        self._queries += [
+            (len(self), annotation, query) for annotation, query in zip(take.annotations, queries, strict=True)
         ]
-        self.takes.append(take)
-        self.sources.append(source)
+        self._takes.append(take)
+        self._sources.append(source)
         self._index = None
 
     def nearest_windows(self, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None) -> Found:
-        """See `indexer.store.stored_library.Library.nearest_windows`."""
+        """See `indexer.store.stored_library.StoredLibrary.nearest_windows`."""
         if self._index is None:
             self._index = FlatVectors.of(0, Rows.join(list(self._rows())))
         return self._index.search(queries, k, allowed=allowed)
 
     def _rows(self) -> Iterator[Rows]:
-        for number, source in enumerate(self.sources):
+        for number, source in enumerate(self._sources):
             for windows in source.windows(self._bundle):
                 spans = np.stack([windows.starts, windows.ends], axis=1)
                 yield Rows(np.full(len(spans), number, np.int64), spans, windows.vectors)
 
-    def ask(self, k: int = 10) -> tuple[Overlaps, Overlaps]:
-        """All sentences: answers right in any take in which they are known to be true, and in their own take alone."""
-        anywhere, own = Overlaps(), Overlaps()
-        for number, marked, query in self._asked:
-            found = best_moments(self._bundle, self, self.sources.__getitem__, query[None], k)
-            overlaps = [
-                float(best_overlaps([(moment.start, moment.end)], self._truth(place, number, marked))[0])
-                for place, moment in found
-            ]
-            at_home = [overlap if place == number else 0.0 for (place, _), overlap in zip(found, overlaps, strict=True)]
-            anywhere.rows.append(np.array(overlaps))
-            own.rows.append(np.array(at_home))
-        return anywhere, own
+    def search(self, k: int) -> tuple[Overlaps, Overlaps]:
+        """The first k moments for every sentence.
 
-    def _truth(self, place: int, home: int, marked: Annotation) -> list[tuple[float, float]]:
-        """Where in a take a sentence is true that was marked in the take `home`."""
-        return list(marked.spans) if place == home else self.takes[place].spans(marked.meaning)
+        Returns
+        -------
+        any_take, own_take : Overlaps
+            Where moments are right in any take in which the sentence is known to be true, and where only in its own.
+        """
+        any_take, own_take = Overlaps(), Overlaps()
+        for own, annotation, query in self._queries:
+            found = best_moments(self._bundle, self, self._sources.__getitem__, query[None], k)
+            overlaps = np.array(
+                [
+                    best_overlaps([(moment.start, moment.end)], self._truth(number, own, annotation))[0]
+                    for number, moment in found
+                ]
+            )
+            any_take.rows.append(overlaps)
+            own_take.rows.append(np.where([number == own for number, _ in found], overlaps, 0.0))
+        return any_take, own_take
+
+    def _truth(self, number: int, own: int, annotation: Annotation) -> Spans:
+        """The spans of take `number` in which a sentence annotated in take `own` is true."""
+        return annotation.spans if number == own else self._takes[number].spans(annotation.meaning)

@@ -1,4 +1,4 @@
-"""How well answers overlap the truth, and the figures the literature makes of it."""
+"""Moment retrieval metrics: recall at IoU thresholds, mean IoU and mean average precision."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ THRESHOLDS = tuple(round(0.1 * i, 1) for i in range(1, 10))
 
 
 def best_overlaps(answers: Spans, truth: Spans) -> NDArray[np.float64]:
-    """The intersection over union (N,) of each answer with the true span it overlaps best; 0 without any truth."""
+    """Intersection over union (N,) of each answer with its best true span; 0 where there is no true span."""
     starts, ends = np.array([a for a, _ in answers]), np.array([b for _, b in answers])
     overlaps = [np.zeros(len(answers)), *(iou(starts, ends, start, end) for start, end in truth)]
     return np.asarray(np.max(overlaps, axis=0), np.float64)
@@ -24,12 +24,12 @@ def best_overlaps(answers: Spans, truth: Spans) -> NDArray[np.float64]:
 
 @dataclass
 class Overlaps:
-    """For every question, how well each ranked answer overlaps its best true span."""
+    """Overlaps of the ranked answers to every question with their best true spans."""
 
     rows: list[NDArray[np.float64]] = field(default_factory=list)
 
     def add(self, answers: Spans, truth: Spans) -> None:
-        """One question's ranked answers against all its true spans."""
+        """Add the ranked answers to one question and all its true spans."""
         self.rows.append(best_overlaps(answers, truth))
 
     def recall(self, k: int, threshold: float) -> float:
@@ -52,7 +52,7 @@ class Overlaps:
         return 100 * float(np.mean(values))
 
     def figures(self) -> dict[str, float]:
-        """All figures; "accuracy at" a threshold is recall of the first answer."""
+        """All figures by name; "accuracy at" a threshold is the recall of the first answer."""
         return {
             "questions": float(len(self.rows)),
             **{f"accuracy at {t}": self.recall(1, t) for t in THRESHOLDS},

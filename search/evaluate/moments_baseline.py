@@ -1,8 +1,7 @@
-"""Moments as the TMR paper finds them, to compare with: one window slid over the take, the best place wins.
+"""Baseline for moments, as in the TMR paper: a window of one size slides over the take, the most similar one wins.
 
 Petrovich, Black and Varol, "TMR: Text-to-Motion Retrieval Using Contrastive 3D Human Motion Synthesis" (ICCV 2023),
-section 4.5: the window size and the place with the highest similarity are the answer; sizes 20, 40 and 60 frames at
-20 frames a second, every frame, no refinement.
+section 4.5: windows of 20, 40 and 60 frames at 20 frames a second, one at every frame, without refinement.
 """
 
 from __future__ import annotations
@@ -19,20 +18,20 @@ from search.moments.window_scores import Scored, Vectors, every, join, score_win
 SIZES = (20, 40, 60)
 
 
-def slide(bundle: Encoder, motion: Motion, queries: Vectors, size: int) -> Scored:
-    """A window of `size` frames at 20 frames a second, at every frame, compared with queries (Q, D).
+def slide(encoder: Encoder, motion: Motion, queries: Vectors, size: int) -> Scored:
+    """Scores of windows of `size` frames at 20 frames a second, one at every frame, for queries (Q, D).
 
-    A model with fewer feature frames a second sees the take once from each frame between two of its own.
+    For a model with fewer feature frames a second the take is encoded once for each phase between two of its frames.
     """
     motion = motion.resample(FPS)
-    length = max(round(size / FPS * bundle.fps), 1)
+    length = max(round(size / FPS * encoder.fps), 1)
     parts = []
-    for phase in range(min(max(round(FPS / bundle.fps), 1), len(motion))):
-        features = bundle.features(Motion(motion.joints[phase:], FPS))
+    for phase in range(min(max(round(FPS / encoder.fps), 1), len(motion))):
+        features = encoder.features(Motion(motion.joints[phase:], FPS))
         if phase and len(features) < length:
             break
         fitting = min(length, len(features))
-        found = score_windows(bundle, features, bundle.fps, every(len(features), fitting), fitting, queries)
+        found = score_windows(encoder, features, encoder.fps, every(len(features), fitting), fitting, queries)
         parts.append(Scored(found.starts + phase / FPS, found.ends + phase / FPS, found.scores))
     windows = join(parts)
     order = np.argsort(windows.starts, kind="stable")
@@ -40,14 +39,16 @@ def slide(bundle: Encoder, motion: Motion, queries: Vectors, size: int) -> Score
 
 
 def best_place(windows: Scored, query: int = 0) -> Moment:
-    """The window most similar to a query."""
+    """The window most similar to a query, by the query's number."""
     i = int(np.argmax(windows.scores[query]))
     return Moment(float(windows.starts[i]), float(windows.ends[i]), float(windows.scores[query, i]))
 
 
-def best_of(bundle: Encoder, motion: Motion, queries: Vectors, sizes: Sequence[int] = SIZES) -> list[dict[int, Moment]]:
-    """For each query (Q, D), the answer of each window size, and under 0 the best of them all."""
-    slid = {size: slide(bundle, motion, queries, size) for size in sizes}
+def best_of(
+    encoder: Encoder, motion: Motion, queries: Vectors, sizes: Sequence[int] = SIZES
+) -> list[dict[int, Moment]]:
+    """For each query (Q, D), the best window by size in frames, and under 0 the best of all sizes."""
+    slid = {size: slide(encoder, motion, queries, size) for size in sizes}
     answers = []
     for query in range(len(queries)):
         found = {size: best_place(windows, query) for size, windows in slid.items()}

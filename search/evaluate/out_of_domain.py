@@ -1,4 +1,4 @@
-"""Does the model know when there is nothing? How often sentences about other things are called strong."""
+"""Out-of-domain queries: how often sentences that no motion fits are called strong or plausible."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from encoders.protocol import Encoder
 from search.query.encoding import encode_queries
 from search.ranking import strength
 
-SENTENCES = Path(__file__).parent / "data" / "out_of_domain.txt"
+_SENTENCES = Path(__file__).parent / "data" / "out_of_domain.txt"
 
 
-def evaluate_nonsense(bundle: Encoder, gallery: NDArray[np.float32]) -> dict[str, float]:
+def evaluate_out_of_domain(encoder: Encoder, gallery: NDArray[np.float32]) -> dict[str, float]:
     """Percent of out-of-domain sentences whose best hit in a gallery (N, D) is called strong, or plausible.
 
     Raises
     ------
     BundleError
-        If the bundle carries no calibration, and so calls nothing anything.
+        If the model carries no calibration, without which hits have no strength.
     """
-    if bundle.calibration is None:
-        raise BundleError(f"{bundle.name}: carries no calibration; 'motionseek model release' makes bundles that do")
-    sentences = [line for line in SENTENCES.read_text(encoding="utf-8").splitlines() if line.strip()]
-    queries = encode_queries(bundle, sentences)
-    judged = [
-        strength.downgrade(bundle, [sentence], strength.judge(bundle, query, [float(np.max(gallery @ query))]))[0]
+    if encoder.calibration is None:
+        raise BundleError(f"{encoder.name}: carries no calibration; 'motionseek model release' makes bundles that do")
+    sentences = [line for line in _SENTENCES.read_text(encoding="utf-8").splitlines() if line.strip()]
+    queries = encode_queries(encoder, sentences)
+    strengths = [
+        strength.downgrade(encoder, [sentence], strength.judge(encoder, query, [float(np.max(gallery @ query))]))[0]
         for sentence, query in zip(sentences, queries, strict=True)
     ]
     return {
         "sentences": float(len(sentences)),
-        "strong": 100 * float(np.mean([j == strength.STRONG for j in judged])),
-        "plausible": 100 * float(np.mean([j == strength.PLAUSIBLE for j in judged])),
+        "strong": 100 * float(np.mean([s == strength.STRONG for s in strengths])),
+        "plausible": 100 * float(np.mean([s == strength.PLAUSIBLE for s in strengths])),
     }

@@ -1,44 +1,46 @@
-"""A bundle that encodes no window twice, so that many sentences can be asked of one take at the price of one."""
+"""An encoder that encodes no window twice, so that many queries of one take cost little more than one."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Any
+from hashlib import blake2b
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.protocol import Encoder
-from search.moments.window_scores import Vectors
+
+_DIGEST_BYTES = 16
 
 
-class CachedBundle:
-    """Answers as the bundle it is made of, and remembers the vector of every window by where it lies in memory.
+class WindowCache:
+    """Behaves like the encoder it wraps, and caches the vector of every window by the window's content."""
 
-    The features of a take are one array of which all windows are slices; it is held, so that no other takes its place,
-    and must not be written to.
-    """
+    def __init__(self, encoder: Encoder) -> None:
+        self.name, self.fingerprint, self.feature_kind = encoder.name, encoder.fingerprint, encoder.feature_kind
+        self.fps, self.max_frames, self.latent_size = encoder.fps, encoder.max_frames, encoder.latent_size
+        self.calibration = encoder.calibration
+        self.features, self.encode_features = encoder.features, encoder.encode_features
+        self.encode_motions, self.encode_texts = encoder.encode_motions, encoder.encode_texts
+        self._encode_windows = encoder.encode_windows
+        self._vectors: dict[int, dict[bytes, NDArray[np.float32]]] = {}
 
-    def __init__(self, bundle: Encoder) -> None:
-        self._bundle = bundle
-        self._known: dict[int, dict[int, Vectors]] = {}
-        self._held: dict[int, Vectors] = {}
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._bundle, name)
-
-    def encode_windows(self, features: Vectors, starts: NDArray[np.integer], length: int) -> Vectors:
+    def encode_windows(
+        self, features: NDArray[np.float32], starts: NDArray[np.integer], length: int
+    ) -> NDArray[np.float32]:
         """See `Encoder.encode_windows`."""
-        begins = features.__array_interface__["data"][0]
-        self._held.setdefault(begins, features)
-        known = self._known.setdefault(length, {})
-        places = (begins + np.asarray(starts) * features.strides[0]).tolist()
-        new = {place: start for place, start in zip(places, starts, strict=True) if place not in known}
+        cached = self._vectors.setdefault(length, {})
+        keys = [_digest(features[start : start + length]) for start in starts]
+        new = {key: start for key, start in zip(keys, starts, strict=True) if key not in cached}
         if new:
-            vectors = self._bundle.encode_windows(features, np.array([*new.values()]), length)
-            known.update(zip(new, vectors, strict=True))
-        return np.array([known[place] for place in places], np.float32).reshape(-1, self._bundle.latent_size)
+            vectors = self._encode_windows(features, np.array([*new.values()]), length)
+            cached.update(zip(new, vectors, strict=True))
+        return np.array([cached[key] for key in keys], np.float32).reshape(-1, self.latent_size)
 
-    def forget(self, *, but: Collection[int]) -> None:
-        """Forget all windows but those of some lengths, in feature frames."""
-        self._known = {length: vectors for length, vectors in self._known.items() if length in but}
+    def keep_only(self, lengths: Collection[int]) -> None:
+        """Drop the windows of all other lengths, in feature frames."""
+        self._vectors = {length: vectors for length, vectors in self._vectors.items() if length in lengths}
+
+
+def _digest(window: NDArray[np.float32]) -> bytes:
+    return blake2b(np.ascontiguousarray(window).data, digest_size=_DIGEST_BYTES).digest()

@@ -44,7 +44,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, float | None]:
         rates[path.name] = fps
         return Motion(np.zeros((200, 22, 3), np.float32))
 
-    monkeypatch.setattr("indexer.datasets.captioned_takes.load_motion", load)
+    monkeypatch.setattr("indexer.datasets.archive_tables.load_motion", load)
     return rates
 
 

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.torch
 from encoders.errors import MotionSeekError  # noqa: E402
 from encoders.tmr.model.network import TMR, Config, Tower  # noqa: E402
 from encoders.tmr.training.recipe import Recipe  # noqa: E402
-from search.cli.commands.train import begin  # noqa: E402
+from search.cli.commands.train import initial_model  # noqa: E402
 from search.release import mean_weights  # noqa: E402
 
 SMALL = {"width": 8, "layers": 1, "heads": 2, "feedforward": 8}
@@ -50,8 +50,8 @@ def test_runs_that_have_nothing_in_common_are_not_averaged(tmp_path: Path, other
 
 def test_a_new_run_may_begin_with_the_mean_of_others(tmp_path: Path) -> None:
     runs = [finished(tmp_path / "a", 1.0), finished(tmp_path / "b", 4.0)]
-    model, normaliser = begin(runs, Recipe(network=NETWORK))
+    model, normaliser = initial_model(runs, Recipe(network=NETWORK))
     assert all(torch.all(tensor == 2.5) for tensor in model.state_dict().values())
     assert np.array_equal(normaliser.std, np.ones(6))
     with pytest.raises(MotionSeekError, match="other networks"):
-        begin(runs, Recipe(network=replace(NETWORK, latent=8)))
+        initial_model(runs, Recipe(network=replace(NETWORK, latent=8)))

@@ -1,4 +1,4 @@
-"""`motionseek evaluate`: how well a model finds things, on your own archive or on made motion."""
+"""`motionseek evaluate`: retrieval figures of a model, on your own archive or on synthetic motion."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from search.cli import options
 if TYPE_CHECKING:
     from encoders.protocol import Encoder
 
-_PROTOCOLS = ("labels", "described", "corpus", "nonsense", "moments")
+_PROTOCOLS = ("labels", "captions", "corpus", "out-of-domain", "moments")
 _FILE = click.Path(path_type=Path)
-_COMPOSED = "made takes"
+_SYNTHETIC = "synthetic takes"
 
 
 @click.command()
@@ -26,10 +26,12 @@ _COMPOSED = "made takes"
 @click.option("--labels", type=_FILE, default=Path("labels.tsv"), help="Table with columns path and label.")
 @click.option("--queries", type=_FILE, default=Path("queries.tsv"), help="Table with columns label and query.")
 @click.option("--captions", type=_FILE, help="JSON lines with trial, start_frame, end_frame, fps, captions, split.")
-@click.option("--split", default="val", show_default=True, help="Split of the captioned takes to ask about.")
+@click.option("--split", default="val", show_default=True, help="Split of the captioned takes.")
 @click.option("--labelled", type=_FILE, help="Folder with labels.tsv and queries.tsv, for moments in joined clips.")
-@click.option("--segments", type=_FILE, help='JSON, {trial: [{"start", "end", "label"}]}: what people marked in takes.')
-@click.option("--count", type=click.IntRange(1), help="Made clips (4000; 300 for nonsense), or made takes (300).")
+@click.option("--segments", type=_FILE, help='Timed labels of takes: JSON, {trial: [{"start", "end", "label"}]}.')
+@click.option(
+    "--count", type=click.IntRange(1), help="Synthetic clips (4000; 300 for out-of-domain), or synthetic takes (300)."
+)
 @click.option("--bundle", "place", type=click.Path(exists=True, file_okay=False), help="Another model's folder.")
 @options.as_json
 def evaluate(
@@ -45,19 +47,19 @@ def evaluate(
     place: str | None,
     as_json: bool,
 ) -> None:
-    """Score the model: on an archive of yours in FOLDER, or on motion made by rule.
+    """Evaluate the model on an archive of yours in FOLDER, or on synthetic motion.
 
-    labels: rank all labelled clips of FOLDER for each query of each label, by average precision.
-    described: the rank of the best file for each description in FOLDER's manifest.tsv, and for what people wrote.
-    corpus: retrieval among made clips nobody trained on. nonsense: how often sentences about other things are
-    called strong. moments: how well sentences are found in long takes, beside the paper's way, as Markdown: in made
-    takes of actions held out of training; with FOLDER and --captions in a third as many takes joined from its clips
-    (and those of --labelled) and where people wrote of parts of takes; with --segments where they timed labels.
+    labels: average precision of each label's queries among all labelled clips of FOLDER.
+    captions: rank of the best file for each description in FOLDER's manifest.tsv and each caption of its files.
+    corpus: retrieval among synthetic clips held out of training. out-of-domain: how often sentences that no motion
+    fits are called strong. moments: moment retrieval in long takes, beside the TMR paper's sliding windows, as
+    Markdown: in synthetic takes of held-out actions; with FOLDER and --captions in a third as many takes joined from
+    its clips (and those of --labelled) and for captions of parts of takes; with --segments for timed labels.
 
     \b
     Examples:
       motionseek evaluate my_mocap/ --labels labels.tsv --queries queries.tsv
-      motionseek evaluate data/mocap --protocol described --captions captions.jsonl
+      motionseek evaluate data/mocap --protocol captions --captions captions.jsonl
       motionseek evaluate --protocol corpus --count 1000
       motionseek evaluate data/mocap --protocol moments --captions captions.jsonl --count 50
     """
@@ -65,30 +67,31 @@ def evaluate(
 
     bundle = Bundle.load(place)
     if protocol == "labels":
-        _labels(_needed(folder, protocol), labels, queries, bundle, as_json)
-    elif protocol == "described":
+        _labels(_required(folder, protocol), labels, queries, bundle, as_json)
+    elif protocol == "captions":
         if captions is None:
-            raise QueryError("--protocol described needs --captions FILE")
-        _described(_needed(folder, protocol), captions, split, bundle, as_json)
+            raise QueryError("--protocol captions needs --captions FILE")
+        _captions(_required(folder, protocol), captions, split, bundle, as_json)
     elif protocol == "corpus":
         _show(_corpus(count or 4000, bundle), as_json)
     elif protocol == "moments":
         _moments(count or 300, folder, captions, split, labelled, segments, bundle, as_json)
     else:
-        _show({"out of domain": _nonsense(count or 300, bundle)}, as_json)
+        _show({"out of domain": _out_of_domain(count or 300, bundle)}, as_json)
 
 
-def _needed(folder: Path | None, protocol: str) -> Path:
+def _required(folder: Path | None, protocol: str) -> Path:
     if folder is None:
         raise QueryError(f"--protocol {protocol} needs a FOLDER")
     return folder
 
 
-def _labels(folder: Path, labels: Path, queries: Path, bundle: Encoder, as_json: bool) -> None:
+def _labels(folder: Path, labels: Path, queries: Path, encoder: Encoder, as_json: bool) -> None:
+    from indexer.datasets.labelled_clips import labelled_clips
     from search.cli import terminal
     from search.evaluate.labelled_archive import evaluate_labels
 
-    report = evaluate_labels(folder, labels, queries, bundle)
+    report = evaluate_labels(labelled_clips(folder, labels, queries), encoder)
     if as_json:
         terminal.document(report.as_dict())
         return
@@ -100,34 +103,35 @@ def _labels(folder: Path, labels: Path, queries: Path, bundle: Encoder, as_json:
     ]
     rows.append(("mean", str(sum(report.clips.values())), f"{report.mean:.3f}", ""))
     terminal.table(("label", "clips", "mean AP", "AP of each query"), rows, right=("clips", "mean AP"))
-    terminal.note(f"motion to sentence, right among the labels at rank 1: {100 * report.top1:.1f} %")
+    terminal.note(f"motion to sentence, R@1 among one sentence of each label: {100 * report.top1:.1f} %")
 
 
-def _described(folder: Path, captions: Path, split: str, bundle: Encoder, as_json: bool) -> None:
+def _captions(folder: Path, captions: Path, split: str, encoder: Encoder, as_json: bool) -> None:
     from indexer.datasets.captioned_takes import captioned_takes
     from search.cli import terminal
-    from search.evaluate.captioned_archive import evaluate_described
+    from search.evaluate.captioned_archive import evaluate_captions
 
-    report = evaluate_described(captioned_takes(folder, captions, split), bundle)
+    report = evaluate_captions(captioned_takes(folder, captions, split), encoder)
     if as_json:
         terminal.document(report.as_dict())
         return
     rows = [(text, str(len(row)), f"{sum(row) / len(row) + 1:.1f}") for text, row in report.ranks.items()]
-    terminal.table(("description", "sentences", "mean rank"), rows, right=("sentences", "mean rank"))
-    found = ", ".join(f"first {k}: {report.found(k):.1f} %" for k in (1, 5, 10))
-    terminal.note(f"{len(report.ranks)} descriptions, {report.files} files; best right file among the {found}")
+    terminal.table(("description", "captions", "mean rank"), rows, right=("captions", "mean rank"))
+    recalls = ", ".join(f"R@{k} {report.recall(k):.1f} %" for k in (1, 5, 10))
+    terminal.note(f"{len(report.ranks)} descriptions, {report.files} files: {recalls}")
     terminal.note(
-        f"motion to sentence, first right: {report.told:.1f} %; by cosine alone {report.told_by_cosine:.1f} %"
+        f"motion to sentence, R@1: {report.motion_to_sentence:.1f} %; "
+        f"by cosine alone {report.motion_to_sentence_by_cosine:.1f} %"
     )
 
 
-def _corpus(count: int, bundle: Encoder) -> dict[str, dict[str, float]]:
+def _corpus(count: int, encoder: Encoder) -> dict[str, dict[str, float]]:
     from encoders.corpus.composition.seeds import TEST
     from encoders.corpus.composition.synthetic_pairs import synthetic_clips
     from encoders.features.registry import FEATURE_KINDS
     from search.evaluate.corpus_retrieval import evaluate_corpus
 
-    return evaluate_corpus(synthetic_clips(TEST, count, FEATURE_KINDS[bundle.feature_kind]), bundle)
+    return evaluate_corpus(synthetic_clips(TEST, count, FEATURE_KINDS[encoder.feature_kind]), encoder)
 
 
 def _moments(
@@ -137,26 +141,29 @@ def _moments(
     split: str,
     labelled: Path | None,
     segments: Path | None,
-    bundle: Encoder,
+    encoder: Encoder,
     as_json: bool,
 ) -> None:
     from indexer.datasets.captioned_takes import captioned_takes
+    from indexer.datasets.labelled_clips import labelled_clips
     from search.cli import terminal
     from search.evaluate import annotated_takes
     from search.evaluate.moment_retrieval import evaluate_moments
     from search.evaluate.moment_tables import moment_tables
 
-    sets = {_COMPOSED: annotated_takes.composed(count)}
+    sets = {_SYNTHETIC: annotated_takes.synthetic_takes(count)}
     if folder is not None and captions is not None:
         takes = list(captioned_takes(folder, captions, split))
-        clips = annotated_takes.described_clips(takes) + (annotated_takes.labelled_clips(labelled) if labelled else [])
-        sets["takes joined from real clips"] = annotated_takes.joined(clips, max(count // 3, 1))
-        sets["sentences people wrote of parts of takes"] = annotated_takes.captioned_moments(takes)
+        clips = annotated_takes.described_motions(takes)
+        if labelled is not None:
+            clips += annotated_takes.labelled_motions(labelled_clips(labelled))
+        sets["takes joined from real clips"] = annotated_takes.joined_takes(clips, max(count // 3, 1))
+        sets["captions of parts of takes"] = annotated_takes.captioned_moments(takes)
     if folder is not None and segments is not None:
-        sets["segments people timed in takes"] = annotated_takes.timed_segments(folder, segments)
+        sets["timed segments"] = annotated_takes.timed_segments(folder, segments)
     figures: dict[str, dict[str, dict[str, float]]] = {}
-    for name, takes_of in sets.items():
-        figures[name] = evaluate_moments(takes_of, bundle, steps=name == _COMPOSED, progress=_every_tenth)
+    for name, annotated in sets.items():
+        figures[name] = evaluate_moments(annotated, encoder, sequences=name == _SYNTHETIC, progress=_every_tenth)
         if not as_json:
             print(f"### {name}", *moment_tables(figures[name]), sep="\n\n", end="\n\n", flush=True)
     if as_json:
@@ -167,17 +174,17 @@ def _every_tenth(takes: int) -> None:
     from search.cli import terminal
 
     if takes % 10 == 0:
-        terminal.note(f"{takes} takes asked")
+        terminal.note(f"{takes} takes done")
 
 
-def _nonsense(count: int, bundle: Encoder) -> dict[str, float]:
+def _out_of_domain(count: int, encoder: Encoder) -> dict[str, float]:
     from encoders.corpus.composition.seeds import TEST
     from encoders.corpus.composition.synthetic_pairs import synthetic_clips
     from encoders.features.registry import FEATURE_KINDS
-    from search.evaluate.out_of_domain import evaluate_nonsense
+    from search.evaluate.out_of_domain import evaluate_out_of_domain
 
-    clips = synthetic_clips(TEST, count, FEATURE_KINDS[bundle.feature_kind])
-    return evaluate_nonsense(bundle, bundle.encode_features([clip.features for clip in clips]))
+    clips = synthetic_clips(TEST, count, FEATURE_KINDS[encoder.feature_kind])
+    return evaluate_out_of_domain(encoder, encoder.encode_features([clip.features for clip in clips]))
 
 
 def _show(figures: dict[str, dict[str, float]], as_json: bool) -> None:

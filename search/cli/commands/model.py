@@ -1,4 +1,4 @@
-"""`motionseek model`: the model that compares words with motion."""
+"""`motionseek model`: show, train, release and evaluate the model that compares sentences with motion."""
 
 from __future__ import annotations
 
@@ -9,23 +9,25 @@ import click
 
 from search.cli import options
 from search.cli.commands.status import shown
-from search.cli.commands.train import card, release, train
+from search.cli.commands.train import release, require_both, train
+
+_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
+_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
 @click.group()
 def model() -> None:
-    """Look at the model, train one, make a bundle of it.
+    """Show the model, train one, release it as a bundle, write its card.
 
     \b
     Examples:
       motionseek model info
-      motionseek model train runs/quick --made 2000 --steps 200
+      motionseek model train runs/quick --synthetic 2000 --steps 200
     """
 
 
 model.add_command(train)
 model.add_command(release)
-model.add_command(card)
 
 
 @model.command()
@@ -56,3 +58,41 @@ def info(bundle: Path | None, as_json: bool) -> None:
         terminal.document(facts)
     else:
         terminal.table(("", ""), [(name.replace("_", " "), shown(value)) for name, value in facts.items()])
+
+
+@model.command()
+@click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
+@click.option("--bundle", "place", type=_FOLDER, help="Another model's folder.")
+@click.option(
+    "--real", type=_FOLDER, help="Folder of captioned takes with a manifest.tsv; its split val is evaluated on."
+)
+@click.option("--captions", type=_FILE, help="Their captions, JSON lines.")
+@click.option("--labelled", type=_FOLDER, help="Folder with labels.tsv and queries.tsv.")
+@click.option(
+    "--count", type=click.IntRange(64), default=4000, show_default=True, help="Synthetic clips in the gallery."
+)
+@options.force
+def card(
+    out: Path,
+    place: Path | None,
+    real: Path | None,
+    captions: Path | None,
+    labelled: Path | None,
+    count: int,
+    force: bool,
+) -> None:
+    """Evaluate the model and write its card to OUT, a Markdown file.
+
+    \b
+    Examples:
+      motionseek model card model.md --count 1000
+      motionseek model card docs/model.md --real data/mocap --captions captions.jsonl --labelled data/bandai1 --force
+    """
+    from encoders.bundle.bundle import Bundle
+    from search.evaluate.card import model_card
+
+    require_both(real, captions)
+    options.refuse_overwriting(out, force)
+    bundle = Bundle.load(place)
+    out.write_text(model_card(bundle, real=real, captions=captions, labelled=labelled, count=count), "utf-8")
+    click.echo(f"written: {out}")

@@ -1,4 +1,4 @@
-"""`motionseek model train` and `release`: from data to a bundle. Both need the extra `train`."""
+"""`motionseek model train` and `motionseek model release`: from data to a bundle. Both need the extra `train`."""
 
 from __future__ import annotations
 
@@ -26,30 +26,34 @@ if TYPE_CHECKING:
 
 _FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
 _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
-#: Clips put together from pieces of real ones, beside some 4,000 real ones.
-_RECOMBINED = 1500
+#: Clips of compositional augmentation, beside some 4,000 real clips.
+_AUGMENTED = 1500
 
 
 @click.command()
 @click.argument("run", type=click.Path(file_okay=False, path_type=Path))
-@click.option("--made", type=click.IntRange(1000), default=32_500, show_default=True, help="Clips made by rule.")
-@click.option("--gaits", type=click.FloatRange(0, 1), default=0.0, help="Share of them in which somebody just goes.")
+@click.option("--synthetic", type=click.IntRange(1000), default=32_500, show_default=True, help="Synthetic clips.")
+@click.option("--gaits", type=click.FloatRange(0, 1), default=0.0, help="Share of them that show locomotion alone.")
 @click.option("--real", type=_FOLDER, help="Folder of captioned takes with a manifest.tsv.")
-@click.option("--captions", type=_FILE, help="What people wrote about them, JSON lines.")
-@click.option("--sentences", type=_FILE, help="Human sentences to act out, one a line.")
-@click.option("--held-out", type=_FILE, multiple=True, help="File whose sentences must not become captions.")
-@click.option("--recipe", type=_FILE, help="JSON of recipe fields that differ from the default.")
+@click.option("--captions", type=_FILE, help="Their captions, JSON lines.")
+@click.option("--sentences", type=_FILE, help="Human sentences that synthetic clips act out, one a line.")
+@click.option("--held-out", type=_FILE, multiple=True, help="File of sentences that are never trained on.")
+@click.option("--recipe", type=_FILE, help="JSON of the recipe fields to change.")
 @click.option(
-    "--from", "origins", type=_FOLDER, multiple=True, help="Bundle, or runs whose mean, to go on from in a new run."
+    "--from",
+    "origins",
+    type=_FOLDER,
+    multiple=True,
+    help="Bundle, or runs to average, whose weights a new run begins with.",
 )
-@click.option("--steps", type=click.IntRange(0), help="Training steps; 0: only the last lesson, of the gist.")
+@click.option("--steps", type=click.IntRange(0), help="Training steps; 0: head fine-tuning alone.")
 @click.option(
-    "--minutes", type=click.FloatRange(min=0), default=float("inf"), help="Stop after so long; run again to go on."
+    "--minutes", type=click.FloatRange(min=0), default=float("inf"), help="Stop after so long; run again to resume."
 )
-@click.option("--jobs", type=click.IntRange(1), help="Processes that make clips; one a core if not given.")
+@click.option("--jobs", type=click.IntRange(1), help="Processes that synthesise clips; one a core by default.")
 def train(
     run: Path,
-    made: int,
+    synthetic: int,
     gaits: float,
     real: Path | None,
     captions: Path | None,
@@ -61,18 +65,18 @@ def train(
     minutes: float,
     jobs: int | None,
 ) -> None:
-    """Train in the folder RUN, or go on with what is there; validated on made and real clips as it runs.
+    """Train in the folder RUN, or resume the run there; validated on synthetic and real clips as it goes.
 
-    Everything that was made or computed stays in RUN, so that a stopped run loses at most the steps since its last
+    Clips, token features and checkpoints stay in RUN, so that a stopped run loses at most the steps since its last
     validation.
 
     \b
     Examples:
       motionseek model train runs/default --real data/mocap --captions captions.jsonl --sentences sentences.txt
-      motionseek model train runs/quick --made 2000 --steps 200
+      motionseek model train runs/quick --synthetic 2000 --steps 200
       motionseek model train runs/ours --from my_model/ --real our_takes/ --captions ours.jsonl --steps 1000
     """
-    need_extra()
+    require_extra()
     from encoders.corpus.composition.seeds import RUNS_APART, TRAINING, VALIDATION
     from encoders.corpus.heldout.queries import paraphrase_queries
     from encoders.corpus.language.held_out_sentences import HeldOutSentences
@@ -82,25 +86,33 @@ def train(
     from encoders.tmr.training.pipeline import prepare
     from encoders.tmr.training.pipeline import train as train_in
 
-    _need_both(real, captions)
+    require_both(real, captions)
     chosen = read_recipe(recipe, steps)
     kind = FEATURE_KINDS["body"]
-    start, normaliser = begin(origins, chosen) if origins else (None, None)
+    start, normaliser = initial_model(origins, chosen) if origins else (None, None)
     language = LanguageModel.load()
     banned = HeldOutSentences(chain(*paraphrase_queries().values(), *(_sentences(path) for path in held_out)))
     lines = [text for text in _sentences(sentences) if not banned(text)] if sentences else []
-    people, asked = real_stores(real, captions, kind, banned) if real and captions else (None, None)
+    real_clips, real_validation = real_stores(real, captions, kind, banned) if real and captions else (None, None)
     seed = TRAINING + RUNS_APART * chosen.seed
-    clips = synthetic_stores(run, made, kind.name, lines, banned, gaits=gaits, seed=seed, jobs=jobs, say=click.echo)
+    clips = synthetic_stores(
+        run, synthetic, kind.name, lines, banned, gaits=gaits, seed=seed, jobs=jobs, say=click.echo
+    )
     validation = synthetic_store(run / "validation.npz", VALIDATION, 1000, kind.name, (), banned)
     batches, validate, normaliser = prepare(
-        chosen, clips, people, validation, asked, unrelated_sentences(600), language, run, normaliser
+        chosen, clips, real_clips, validation, real_validation, unrelated_sentences(600), language, run, normaliser
     )
     train_in(run, chosen, batches, validate, normaliser, start=start, every=100, minutes=minutes, say=click.echo)
 
 
-def begin(origins: Sequence[Path], recipe: Recipe) -> tuple[TMR, Normaliser]:
-    """The model and the normaliser of a bundle, or of runs the mean of whose weights is taken."""
+def initial_model(origins: Sequence[Path], recipe: Recipe) -> tuple[TMR, Normaliser]:
+    """The model and normaliser of a bundle, or of runs, whose weights are averaged.
+
+    Raises
+    ------
+    QueryError
+        If the runs have other networks than the recipe.
+    """
     from encoders.tmr.conversion.from_bundle import restore
     from encoders.tmr.model.network import TMR
     from encoders.tmr.model.normaliser import Normaliser
@@ -108,7 +120,7 @@ def begin(origins: Sequence[Path], recipe: Recipe) -> tuple[TMR, Normaliser]:
 
     if len(origins) == 1 and not (origins[0] / "last.pt").is_file():
         return restore(origins[0], recipe.network)
-    need_runs(origins)
+    require_runs(origins)
     known, weights, _ = mean_weights(origins)
     if known.network != replace(recipe.network, decoder=None):
         raise QueryError(f"{origins[0]}: has other networks than the recipe")
@@ -117,22 +129,23 @@ def begin(origins: Sequence[Path], recipe: Recipe) -> tuple[TMR, Normaliser]:
     return model, Normaliser.load(origins[0])
 
 
-def _need_both(real: Path | None, captions: Path | None) -> None:
+def require_both(real: Path | None, captions: Path | None) -> None:
+    """Exit where only one of two options is given that need each other."""
     if (real is None) != (captions is None):
-        raise click.UsageError("--real and --captions belong together")
+        raise click.UsageError("--real and --captions must be given together")
 
 
-def need_runs(folders: Sequence[Path]) -> None:
-    """Stop where a folder is no run to take weights from."""
+def require_runs(folders: Sequence[Path]) -> None:
+    """Exit where a folder holds no finished run."""
     for run, file in product(folders, ("recipe.json", "last.pt", "normaliser.npz")):
         if not (run / file).is_file():
             raise click.ClickException(
-                f"{run}: no finished run, for {file} is missing; 'motionseek model train' makes it"
+                f"{run}: not a finished run, {file} is missing; 'motionseek model train' writes it"
             )
 
 
-def need_extra() -> None:
-    """Stop where the packages of the extra `train` are missing."""
+def require_extra() -> None:
+    """Exit where packages of the extra `train` are missing."""
     missing = [name for name in ("torch", "onnx", "safetensors") if find_spec(name) is None]
     if missing:
         raise click.ClickException(
@@ -141,7 +154,7 @@ def need_extra() -> None:
 
 
 def read_recipe(path: Path | None, steps: int | None) -> Recipe:
-    """The default recipe with the fields that a file and the command line change."""
+    """The default recipe with the fields that a file and the command line change; exits where they make no recipe."""
     from encoders.tmr.training.recipe import Recipe
 
     default = Recipe().to_dict()
@@ -158,16 +171,21 @@ def read_recipe(path: Path | None, steps: int | None) -> Recipe:
 def real_stores(
     folder: Path, captions: Path, kind: FeatureKind, banned: HeldOutSentences
 ) -> tuple[PairStore, PairStore | None]:
-    """Real clips to train on, and those to validate on, of which none may be.
+    """Real clips to train on, and those to validate on if there are any.
 
-    Only what is trained on goes without the sentences held out: validation asks with them.
+    Sentences held out are kept from training only: validation queries with them.
+
+    Raises
+    ------
+    QueryError
+        If no take of the training split has a caption.
     """
     from encoders.corpus.language.held_out_sentences import HeldOutSentences
     from encoders.tmr.training.dataset import real_store
     from indexer.datasets.captioned_takes import captioned_takes
 
     takes = captioned_takes(folder, captions, "train")
-    training = real_store(takes, kind, varied=True, held_out=banned, recombine=_RECOMBINED)
+    training = real_store(takes, kind, varied=True, held_out=banned, recombine=_AUGMENTED)
     if not len(training):
         raise QueryError(f"{folder}: no take of split 'train' has a caption; see docs/training.md")
     validation = real_store(captioned_takes(folder, captions, "val"), kind, varied=False, held_out=HeldOutSentences(()))
@@ -178,65 +196,31 @@ def real_stores(
 @click.argument("runs", metavar="RUN...", nargs=-1, required=True, type=_FOLDER)
 @click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--name", default="motionseek", show_default=True, help="The model's name.")
-@click.option("--real", type=_FOLDER, help="Folder of captioned takes; its split val helps to calibrate.")
-@click.option("--captions", type=_FILE, help="What people wrote about them, JSON lines.")
-@click.option("--notes", type=_FILE, help="JSON to put into the manifest as what it was trained on.")
+@click.option("--real", type=_FOLDER, help="Folder of captioned takes; its split val is calibrated on too.")
+@click.option("--captions", type=_FILE, help="Their captions, JSON lines.")
+@click.option("--notes", type=_FILE, help="JSON for the manifest: what it was trained on.")
 def release(
     runs: tuple[Path, ...], folder: Path, name: str, real: Path | None, captions: Path | None, notes: Path | None
 ) -> None:
-    """Make the bundle FOLDER of a run: exported, weights in 8 bits, calibrated.
+    """Export a run as the bundle FOLDER: ONNX, weights in 8 bits, calibrated.
 
-    Of several runs that went on from the same one, their mean is taken.
+    The weights of several runs that began from the same one are averaged.
 
     \b
     Examples:
       motionseek model release runs/default my_model/
       motionseek model release runs/default runs/longer my_model/
     """
-    need_extra()
+    require_extra()
     from indexer.datasets.captioned_takes import captioned_takes
     from search.release import release as release_run
 
-    _need_both(real, captions)
-    need_runs(runs)
+    require_both(real, captions)
+    require_runs(runs)
     training = options.read_object(notes) if notes else None
     takes = list(captioned_takes(real, captions, "val")) if real and captions else []
     bundle = release_run(runs, folder, name=name, training=training, takes=takes)
     click.echo(f"{bundle.name} {bundle.fingerprint[:12]} in {folder}")
-
-
-@click.command()
-@click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
-@click.option("--bundle", "place", type=_FOLDER, help="Another model's folder.")
-@click.option("--real", type=_FOLDER, help="Folder of captioned takes with a manifest.tsv; its split val is asked.")
-@click.option("--captions", type=_FILE, help="What people wrote about them, JSON lines.")
-@click.option("--labelled", type=_FOLDER, help="Folder with labels.tsv and queries.tsv.")
-@click.option("--count", type=click.IntRange(64), default=4000, show_default=True, help="Made clips in the gallery.")
-@options.force
-def card(
-    out: Path,
-    place: Path | None,
-    real: Path | None,
-    captions: Path | None,
-    labelled: Path | None,
-    count: int,
-    force: bool,
-) -> None:
-    """Measure the model and write its card to OUT, a Markdown file.
-
-    \b
-    Examples:
-      motionseek model card model.md --count 1000
-      motionseek model card docs/model.md --real data/mocap --captions captions.jsonl --labelled data/bandai1 --force
-    """
-    from encoders.bundle.bundle import Bundle
-    from search.evaluate.card import card as measured
-
-    _need_both(real, captions)
-    if out.exists() and not force:
-        raise click.ClickException(f"{out} exists; overwrite it with --force")
-    out.write_text(measured(Bundle.load(place), real=real, captions=captions, labelled=labelled, count=count), "utf-8")
-    click.echo(f"written: {out}")
 
 
 def _sentences(path: Path) -> list[str]:

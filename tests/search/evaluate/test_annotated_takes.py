@@ -1,4 +1,4 @@
-"""Takes whose moments are known: held out, joined, and as people marked them."""
+"""Takes with annotated events: synthetic and held out, joined, and annotated by people."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ def captioned(trial: str, *spans: tuple[str, float, float], seconds: float = 20.
     return CaptionedTake(f"{trial}.bvh", trial, made_motion(seconds, 0), "walk", said)
 
 
-def test_composed_takes_hold_what_training_does_not_show() -> None:
-    (take,) = annotated_takes.composed(1, seed=5)
+def test_synthetic_takes_hold_actions_held_out_of_training() -> None:
+    (take,) = annotated_takes.synthetic_takes(1, seed=5)
     assert 30.0 <= take.motion.duration < 150.0
     assert any(m.held_out for m in take.annotations)
 
 
 def test_joined_takes_are_as_long_as_asked_and_repeat_sentences() -> None:
     clips = [(made_motion(3.0, 0), "walks"), (made_motion(4.0, 1), "jumps")]
-    for take in annotated_takes.joined(clips, 3):
+    for take in annotated_takes.joined_takes(clips, 3):
         assert 30.0 <= take.motion.duration <= 124.0
         assert {m.sentence for m in take.annotations} == {"walks", "jumps"}
 
@@ -39,7 +39,7 @@ def test_a_sentence_about_a_whole_take_is_no_moment_of_it() -> None:
     assert [(m.sentence, m.spans) for m in take.annotations] == [("jumps", ((2.0, 5.0), (8.0, 20.0)))]
 
 
-def test_a_trial_in_several_rigs_is_asked_once() -> None:
+def test_a_trial_in_several_rigs_is_one_take() -> None:
     first, second = captioned("01_01", ("jumps", 2.0, 5.0)), captioned("01_01", ("jumps", 2.0, 5.0), seconds=19.0)
     (take,) = annotated_takes.captioned_moments([first, second])
     assert take.motion.duration == first.motion.duration
@@ -54,7 +54,7 @@ def archive(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_timed_labels_are_asked_in_words(archive: Path) -> None:
+def test_labels_in_camel_case_become_sentences_of_words(archive: Path) -> None:
     rows = [{"start": 1, "end": 2.5, "label": "KneeRaise"}, {"start": 60, "end": 70, "label": "not in it"}]
     (archive / "segments.json").write_text(json.dumps({"1": rows, "2": rows}), encoding="utf-8")
     (take,) = annotated_takes.timed_segments(archive, archive / "segments.json")

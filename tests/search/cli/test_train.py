@@ -29,7 +29,7 @@ def people(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]
     ]
     captions = tmp_path / "captions.jsonl"
     captions.write_text("\n".join(map(json.dumps, lines)), "utf-8")
-    monkeypatch.setattr("indexer.datasets.captioned_takes.load_motion", lambda path, fps=None: made_motion(4, 0))
+    monkeypatch.setattr("indexer.datasets.archive_tables.load_motion", lambda path, fps=None: made_motion(4, 0))
     return tmp_path, captions
 
 
@@ -91,7 +91,7 @@ def test_real_takes_and_what_people_wrote_of_them_belong_together(run: Run, tmp_
     (tmp_path / "captions.jsonl").touch()
     ran = run("model", "card", tmp_path / "x.md", alone, tmp_path / ("" if alone == "--real" else "captions.jsonl"))
     assert (ran.code, ran.out) == (2, "")
-    assert "belong together" in ran.err
+    assert "given together" in ran.err
     assert not (tmp_path / "x.md").exists()
 
 

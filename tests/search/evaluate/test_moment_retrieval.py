@@ -12,8 +12,8 @@ from encoders.corpus.composition.long_takes import AnnotatedTake, Event, annotat
 from search.evaluate.moment_metrics import Overlaps
 from search.evaluate.moment_retrieval import evaluate_moments
 from search.evaluate.moment_tables import moment_tables
-from search.evaluate.sequence_questions import chain_overlap
-from search.evaluate.window_cache import CachedBundle
+from search.evaluate.sequence_questions import sequence_overlap
+from search.evaluate.window_cache import WindowCache
 from tests.search.answers import SENTENCES, KnownAnswers, motion
 from tests.search.conftest import Run, made_motion
 
@@ -60,21 +60,21 @@ def test_an_answer_where_nothing_is_true_is_wrong() -> None:
 
 
 def taken(*kinds: int, seconds: float = 4.0) -> AnnotatedTake:
-    """A take that is of one kind after the other, told by the sentences that name the kinds."""
-    happens = [
+    """A take of one kind after the other, annotated with the sentences that name the kinds."""
+    events = [
         Event(SENTENCES[kind], (seconds * i, seconds * (i + 1)), frozenset({SENTENCES[kind]}))
         for i, kind in enumerate(kinds)
     ]
-    return annotated_take(motion(*kinds, seconds=seconds), happens)
+    return annotated_take(motion(*kinds, seconds=seconds), events)
 
 
 def test_a_model_that_knows_all_the_answers_finds_the_moments() -> None:
-    found = evaluate_moments([taken(0, 1, 2, 0, 3)], KnownAnswers(), steps=True)
+    found = evaluate_moments([taken(0, 1, 2, 0, 3)], KnownAnswers(), sequences=True)
     assert set(found) == {
         "motionseek",
         *(f"window of {size}" for size in (20, 40, 60)),
         "best of the three",
-        "ceiling of the grid",
+        "upper bound of the grid",
         "motionseek, all takes at once",
         "motionseek, all takes at once, its own take",
         "three steps in order",
@@ -82,7 +82,7 @@ def test_a_model_that_knows_all_the_answers_finds_the_moments() -> None:
     assert found["motionseek"]["questions"] == 4.0
     assert found["motionseek"]["accuracy at 0.5"] == 100.0
     assert found["window of 20"]["mean IoU"] == pytest.approx(25.0), "one second of four"
-    assert found["ceiling of the grid"]["mean IoU"] >= 80.0 - 1e-6
+    assert found["upper bound of the grid"]["mean IoU"] >= 80.0 - 1e-6
     assert found["three steps in order"] == {
         "questions": 2.0,
         "all at 0.3": 100.0,
@@ -93,20 +93,20 @@ def test_a_model_that_knows_all_the_answers_finds_the_moments() -> None:
 
 def test_a_moment_in_another_take_counts_where_it_is_true_but_not_as_the_own_take() -> None:
     found = evaluate_moments([taken(0, 1), taken(0, 2)], KnownAnswers())
-    anywhere = found["motionseek, all takes at once"]
+    any_take = found["motionseek, all takes at once"]
     own = found["motionseek, all takes at once, its own take"]
-    assert anywhere["accuracy at 0.5"] == 100.0
+    assert any_take["accuracy at 0.5"] == 100.0
     assert own["accuracy at 0.5"] == 75.0, "zero is asked of both takes and found in one of them first"
     assert own["R@5 at 0.5"] == 100.0
 
 
-def test_sentences_about_unseen_actions_are_counted_apart() -> None:
+def test_sentences_about_heldout_actions_are_counted_apart() -> None:
     known = taken(0, 1)
     unseen = AnnotatedTake(
         known.motion, (replace(known.annotations[0], held_out=True), known.annotations[1]), known.events
     )
     found = evaluate_moments([unseen], KnownAnswers())
-    assert found["motionseek, unseen actions"]["questions"] == 1.0
+    assert found["motionseek, held-out actions"]["questions"] == 1.0
     assert found["motionseek"]["questions"] == 2.0
 
 
@@ -117,31 +117,31 @@ def test_no_window_is_encoded_twice_for_many_sentences() -> None:
     assert several.encoded < 1.2 * one.encoded
 
 
-def test_a_remembered_window_has_the_vector_the_bundle_gives() -> None:
+def test_a_cached_window_has_the_vector_of_the_encoder() -> None:
     model, features = KnownAnswers(), KnownAnswers().features(motion(0, 1, 2, seconds=2.0))
-    remembering = CachedBundle(model)
-    whole = remembering.encode_windows(features, np.arange(40), 20)
-    part = remembering.encode_windows(features[7:], np.arange(0, 30, 2), 20)
+    cached = WindowCache(model)
+    whole = cached.encode_windows(features, np.arange(40), 20)
+    part = cached.encode_windows(features[7:], np.arange(0, 30, 2), 20)
     assert np.array_equal(part, whole[7:37:2])
     assert model.encoded == 40
-    remembering.forget(but=())
-    assert np.array_equal(remembering.encode_windows(features, np.arange(40), 20), whole)
+    cached.keep_only(())
+    assert np.array_equal(cached.encode_windows(features, np.arange(40), 20), whole)
 
 
-def test_a_chain_is_as_good_as_its_worst_step() -> None:
+def test_a_sequence_is_as_good_as_its_worst_step() -> None:
     truths = [[(0.0, 2.0)], [(2.0, 4.0)], [(4.0, 6.0)]]
-    assert chain_overlap([(0.0, 2.0), (2.0, 4.0), (4.0, 6.0)], truths) == 1.0
-    assert chain_overlap([(0.0, 2.0), (2.0, 3.0), (4.0, 6.0)], truths) == 0.5
+    assert sequence_overlap([(0.0, 2.0), (2.0, 4.0), (4.0, 6.0)], truths) == 1.0
+    assert sequence_overlap([(0.0, 2.0), (2.0, 3.0), (4.0, 6.0)], truths) == 0.5
 
 
-def test_a_chain_over_a_repeated_action_is_right_too_if_it_is_in_order() -> None:
+def test_a_sequence_over_a_repeated_action_is_right_too_if_it_is_in_order() -> None:
     walk, sit = [(0.0, 2.0), (8.0, 10.0)], [(4.0, 6.0)]
-    assert chain_overlap([(0.0, 2.0), (4.0, 6.0), (8.0, 10.0)], [walk, sit, walk]) == 1.0
-    assert chain_overlap([(8.0, 10.0), (4.0, 6.0)], [walk, sit]) == 0.0
+    assert sequence_overlap([(0.0, 2.0), (4.0, 6.0), (8.0, 10.0)], [walk, sit, walk]) == 1.0
+    assert sequence_overlap([(8.0, 10.0), (4.0, 6.0)], [walk, sit]) == 0.0
 
 
 def test_tables_are_markdown() -> None:
-    figures = evaluate_moments([taken(0, 1, 2)], KnownAnswers(), steps=True)
+    figures = evaluate_moments([taken(0, 1, 2)], KnownAnswers(), sequences=True)
     first, recall, steps = moment_tables(figures)
     assert first.splitlines()[0].startswith("| first answer, by IoU | questions | 0.1 |")
     assert "| motionseek | 3 | 100.0 |" in first
@@ -150,11 +150,12 @@ def test_tables_are_markdown() -> None:
 
 
 def test_the_command_prints_a_table_for_each_set(run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    happens = [
+    events = [
         Event(text, (2.0 * i, 2.0 * i + 2), frozenset({text})) for i, text in enumerate(("walks", "sits", "bows"))
     ]
     monkeypatch.setattr(
-        "search.evaluate.annotated_takes.composed", lambda count: [annotated_take(made_motion(6.0, 0), happens)] * count
+        "search.evaluate.annotated_takes.synthetic_takes",
+        lambda count: [annotated_take(made_motion(6.0, 0), events)] * count,
     )
     np.save(tmp_path / "a.npy", made_motion(6.0, 1).joints)
     (tmp_path / "manifest.tsv").write_text(
@@ -164,9 +165,9 @@ def test_the_command_prints_a_table_for_each_set(run: Run, monkeypatch: pytest.M
     arguments = ["evaluate", tmp_path, "--protocol", "moments", "--segments", tmp_path / "timed.json", "--count", 1]
     lines = run(*arguments).out.splitlines()
     assert [line for line in lines if line.startswith("###")] == [
-        "### made takes",
-        "### segments people timed in takes",
+        "### synthetic takes",
+        "### timed segments",
     ]
     assert sum(line.startswith("| three steps in order") for line in lines) == 1
     figures = run(*arguments, "--json").document
-    assert figures["segments people timed in takes"]["motionseek"]["questions"] == 1
+    assert figures["timed segments"]["motionseek"]["questions"] == 1

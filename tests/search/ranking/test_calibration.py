@@ -38,7 +38,7 @@ def test_it_holds_what_judging_needs(calibration: dict[str, np.ndarray]) -> None
         assert np.isfinite(calibration[f"{asked}_coefficients"]).all()
 
 
-def test_right_hits_are_strong_and_nonsense_is_weak(calibration: dict[str, np.ndarray]) -> None:
+def test_right_hits_are_strong_and_out_of_domain_ones_weak(calibration: dict[str, np.ndarray]) -> None:
     bundle = KnownAnswers(calibration)
     right = bundle.encode_features([clip(1, 99).features])[0]
     one, nothing = bundle.encode_texts(["one", "nothing"])
