@@ -1,9 +1,9 @@
-"""Ways to ask the same model, compared on the validation takes: what is kept, and what was tried and is not.
+"""Recalls of one model on the validation takes for several ways to encode and score a query.
 
-    python benchmarks/asking.py data/mocap captions.jsonl [--bundle FOLDER]
+    python -m benchmarks.asking data/mocap captions.jsonl [--bundle FOLDER]
 
-The gallery are all captioned spans of the split `val`; every sentence is asked of them, and every span of all the
-sentences. One model, one seed: differences of a point or two are none.
+The gallery is all captioned spans of the split `val`. Each of their captions is a query to the spans, and each span a
+query to the captions. One model, one seed: differences of a point or two mean nothing.
 """
 
 from __future__ import annotations
@@ -30,7 +30,6 @@ Array = NDArray[np.float32]
 
 
 def main() -> None:
-    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("captions", type=Path)
@@ -43,24 +42,28 @@ def main() -> None:
     gallery = bundle.encode_features([features[: bundle.max_frames] for features, _ in spans])
     sentences = sorted({caption for _, captions in spans for caption in captions})
     right = np.array([[sentence in captions for _, captions in spans] for sentence in sentences])
-    plain, phrased = bundle.encode_texts(sentences), encode_queries(bundle, sentences)
-    said = _unit(phrased + 0.5 * np.stack([_described(bundle, s, q) for s, q in zip(sentences, phrased, strict=True)]))
+    plain, paraphrased = bundle.encode_texts(sentences), encode_queries(bundle, sentences)
+    generated = np.stack([_generated(bundle, s, q) for s, q in zip(sentences, paraphrased, strict=True)])
     bank = bundle.encode_texts([clip.captions[0] for clip in synthetic_clips(VALIDATION, 500, kind)])
-    crowded = np.sort(bank @ gallery.T, axis=0)[-10:].mean(axis=0)
+    hubness = np.sort(bank @ gallery.T, axis=0)[-10:].mean(axis=0)
     cosines = plain @ gallery.T
     print(f"{len(sentences)} sentences, {len(spans)} spans, {bundle.name} {bundle.fingerprint[:12]}\n")
     print("| | R@1 | R@5 | R@10 | mean reciprocal rank |\n|---|---|---|---|---|")
     _row("sentence -> motion: the sentence alone", cosines, right)
-    _row("with its phrasings (kept)", phrased @ gallery.T, right)
-    _row("and with captions of the scene it is read as", said @ gallery.T, right)
-    _row("less what the motion scores with a bank of sentences", phrased @ gallery.T - 0.25 * crowded, right)
+    _row("with its paraphrases (kept)", paraphrased @ gallery.T, right)
+    _row(
+        "and with generated captions of the scene it is parsed as",
+        _unit(paraphrased + 0.5 * generated) @ gallery.T,
+        right,
+    )
+    _row("less a hubness penalty of the motion", paraphrased @ gallery.T - 0.25 * hubness, right)
     _row("motion -> sentence: the cosine", cosines.T, right.T)
     penalised = cosines.T - hubness_penalty(bundle, plain)
-    _row("less a share of what the sentence scores with unrelated motions (kept)", penalised, right.T)
+    _row("less the hubness penalty of the sentence (kept)", penalised, right.T)
 
 
-def _described(bundle: Bundle, sentence: str, vector: Array) -> Array:
-    """Mean vector of six captions of what a sentence is read as; its own vector where it cannot be read."""
+def _generated(bundle: Bundle, sentence: str, vector: Array) -> Array:
+    """Mean vector of six captions generated for the scene of a sentence; `vector` where it cannot be parsed."""
     scene = parse(sentence)
     if scene is None:
         return vector

@@ -1,21 +1,22 @@
-"""Make the clips that `motionseek demo` shows: real capture from the CMU Graphics Lab, thinned to 30 frames a second.
+"""Prints nothing: writes the clips of `motionseek demo`, CMU motion capture thinned to 30 frames a second.
 
-    python benchmarks/make_demo.py data/mocap search/demo_data
+    python -m benchmarks.make_demo data/mocap search/demo_data
 
-Every clip gets a name that tells nothing, as in most archives; SOURCES.tsv says which trial it is and the terms.
-Only text is touched: frames are left out and numbers rounded, the skeleton stays as it was.
+File names say nothing about the motion, as in most archives; SOURCES.tsv has the trial of each and TERMS.txt the terms.
+Files are edited as text: frames are left out and numbers rounded, skeletons stay as they are.
 """
 
 from __future__ import annotations
 
-import csv
+import argparse
 import json
 import random
 import shutil
-import sys
 from pathlib import Path
 
-#: Short clips (mostly trials the default model was not trained on) and long takes, by path in the archive.
+from indexer.datasets.archive_tables import read_manifest
+
+#: Short clips (mostly trials that the default model was not trained on) and long takes, by path in the archive.
 CLIPS = """
 motionbuilder/02/02_02.bvh motionbuilder/05/05_03.bvh motionbuilder/05/05_20.bvh motionbuilder/06/06_12.bvh
 motionbuilder/07/07_05.bvh motionbuilder/07/07_08.bvh motionbuilder/08/08_01.bvh motionbuilder/11/11_01.bvh
@@ -35,8 +36,7 @@ TERMS = (
     "NSF EIA-0196217. Free for all uses, also in products; the files themselves may not be resold."
 )
 
-
-#: What the demo asks.
+#: What the demo searches for.
 QUESTIONS = ("a person kicks a ball", "someone climbs up a ladder", "running and then jumping")
 MOMENT = {"sentence": "a person sits down", "clip": "session_01.amc"}
 
@@ -52,10 +52,10 @@ def thin(source: Path, target: Path, rate: float, keep: float = 30.0, decimals: 
     target.write_text(head.replace("\r", "") + body + "\n", encoding="utf-8")
 
 
-def main(archive: Path, target: Path) -> None:
-    """Fill `target` with clips, SOURCES.tsv and a captions.tsv that only gives frame rates."""
-    with (archive / "manifest.tsv").open(encoding="utf-8", newline="") as table:
-        rows = {row["path"]: row for row in csv.DictReader(table, delimiter="\t") if row["use"] in ("train", "val")}
+def write_demo(archive: Path, target: Path) -> None:
+    """Fill `target` with clips, SOURCES.tsv, TERMS.txt and a captions.tsv that only gives frame rates."""
+    manifest = read_manifest(archive, ("split", "use", "description"))
+    rows = {row["path"]: row for row in manifest if row["use"] in ("train", "val")}
     chosen = [f"cmu/{path}" for path in CLIPS if f"cmu/{path}" in rows]
     random.Random(7).shuffle(chosen)
     shutil.rmtree(target, ignore_errors=True)
@@ -86,5 +86,13 @@ def _table(path: Path, header: tuple[str, ...], rows: list[tuple[str, ...]]) -> 
     path.write_text("".join("\t".join(row) + "\n" for row in (header, *rows)), encoding="utf-8")
 
 
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("archive", type=Path, help="folder of the CMU takes with a manifest.tsv")
+    parser.add_argument("target", type=Path, help="folder of the demo; what it holds is replaced")
+    given = parser.parse_args()
+    write_demo(given.archive, given.target)
+
+
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]))
+    main()

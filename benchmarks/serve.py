@@ -1,14 +1,14 @@
-"""How many searches a second the server answers, from another process.
+"""Latency percentiles, failures, processor and memory of the server under load, by stretches of time.
 
     taskset -c 0,1 python -m benchmarks.serve --around REAL --library SIMULATED --seconds 600 \\
         --while-indexing FOLDER FOLDER
 
-SIMULATED is made of REAL where it is not there yet: see `benchmarks.simulated`. Sentences are drawn by Zipf's law, as
-people ask: few of them often, most of them once, of some four thousand in all; `--before` searches have been asked
-already. Searches begin at random (Poisson) and are timed from when they should have begun, so a server that stalls is
-not spared those that would have come meanwhile. `--rate 0` asks as fast as answers come. The folders are indexed into
-the simulated library, one after another, while the searches go on; a row says whether they still were. Server, indexing
-and the asking process share the cores this is started on.
+SIMULATED is written from REAL where it does not exist yet: see `benchmarks.simulated`. Sentences are drawn by Zipf's
+law, as people search: few of them often, most of them once, of some four thousand in all; `--before` searches warm the
+caches. Searches arrive at random (a Poisson process) and are timed from when they should have begun, so that a server
+that stalls is charged for those that would have arrived meanwhile. `--rate 0` searches as fast as answers come. The
+folders are indexed into the simulated library, one after another, during the searches; the last column of a row says
+whether they still were. Server, indexing and this client share the cores this is started on.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ _CONNECTIONS = 64
 
 @dataclass(frozen=True)
 class Usage:
-    """What a process has used: seconds of processor, and MB of memory, its own and of mapped files."""
+    """Resources that a process has used: CPU seconds, and MB of memory, its own and of mapped files."""
 
     cpu: float
     own: float
@@ -60,20 +60,20 @@ class Usage:
 
 
 @dataclass
-class Timed:
-    """What became of the searches.
+class LoadResult:
+    """Timings of searches, in seconds from the start.
 
     Attributes
     ----------
-    asked, due, seconds : list of str, list of float, list of float
-        The sentence of each, when it should have begun, from the start, and how long after that it was answered.
+    sentences, due, seconds : list of str, list of float, list of float
+        Of each search: its sentence, when it should have begun, and how long after that it was answered.
     failures : list of (float, str)
-        When it should have begun, and what was answered.
+        When the search should have begun, and the start of the answer.
     samples : list of (float, Usage, bool)
-        From time to time: when, what the server had used by then, and whether there was indexing.
+        Time, resources that the server had used by then, and whether indexing was running.
     """
 
-    asked: list[str] = field(default_factory=list)
+    sentences: list[str] = field(default_factory=list)
     due: list[float] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
     failures: list[tuple[float, str]] = field(default_factory=list)
@@ -81,10 +81,10 @@ class Timed:
 
 
 async def load(
-    port: int, sentences: list[str], rate: float, *, look: Callable[[], tuple[Usage, bool]], every: float
-) -> Timed:
-    """Ask over connections that are kept open, `rate` times a second on average; look `every` so many seconds."""
-    found, loop = Timed(), asyncio.get_running_loop()
+    port: int, sentences: list[str], rate: float, *, sample: Callable[[], tuple[Usage, bool]], every: float
+) -> LoadResult:
+    """Search over open connections, `rate` times a second on average; sample the server `every` so many seconds."""
+    found, loop = LoadResult(), asyncio.get_running_loop()
     free: asyncio.Queue[tuple[asyncio.StreamReader, asyncio.StreamWriter]] = asyncio.Queue()
     for _ in range(_CONNECTIONS):
         free.put_nowait(await asyncio.open_connection("127.0.0.1", port))
@@ -100,7 +100,7 @@ async def load(
             body = await reader.readexactly(int(head.lower().split(b"content-length:")[1].split(b"\r\n")[0]))
             if not head.startswith(b"HTTP/1.1 200") or len(json.loads(body)["hits"]) != 10:
                 found.failures.append((should_begin - began, body[:200].decode(errors="replace")))
-            found.asked.append(sentence)
+            found.sentences.append(sentence)
             found.due.append(should_begin - began)
             found.seconds.append(loop.time() - should_begin)
         except (OSError, asyncio.IncompleteReadError) as error:
@@ -110,7 +110,7 @@ async def load(
 
     async def watch() -> None:
         while True:
-            found.samples.append((loop.time() - began, *look()))
+            found.samples.append((loop.time() - began, *sample()))
             await asyncio.sleep(every)
 
     watching = asyncio.create_task(watch())
@@ -128,12 +128,12 @@ async def load(
     if tasks:
         await asyncio.wait(tasks)
     watching.cancel()
-    found.samples.append((loop.time() - began, *look()))
+    found.samples.append((loop.time() - began, *sample()))
     return found
 
 
 def recall(folder: Path, sentences: list[str]) -> dict[str, float]:
-    """By the name of an index: share of the rows an exact search gives for sentences that are given."""
+    """Recall by the name of an index: share of the rows of an exact search that the index returns."""
     found = {}
     with Library.open(folder) as library:
         queries, galleries = encode_queries(library.bundle, sentences), Galleries(library.folder / "vectors")
@@ -168,7 +168,7 @@ def serve(folder: Path, port: int) -> subprocess.Popen[bytes]:
 
 @contextmanager
 def ended(process: subprocess.Popen[bytes]) -> Iterator[subprocess.Popen[bytes]]:
-    """End a process, politely, when done."""
+    """Interrupt a process at the end and wait for it."""
     try:
         yield process
     finally:
@@ -183,21 +183,21 @@ class Indexing:
         self._folders, self._library = list(folders), library
         self._running: subprocess.Popen[bytes] | None = None
 
-    def goes_on(self) -> bool:
-        """Whether there is indexing; begins with the next folder when one is done."""
+    def is_running(self) -> bool:
+        """Whether indexing is running; begins with the next folder when one is done."""
         if (self._running is None or self._running.poll() is not None) and self._folders:
             self._running = command("index", self._folders.pop(0), "--library", self._library, "--jobs", 1)
         return self._running is not None and self._running.poll() is None
 
     def end(self) -> None:
-        """Stop; what is indexed stays."""
+        """Stop; clips indexed so far stay."""
         if self._running is not None and self._running.poll() is None:
             self._running.terminate()
             self._running.wait(60)
 
 
-def first_asked(sentences: list[str], earlier: list[str]) -> list[bool]:
-    """Whether each sentence is asked for the first time."""
+def first_occurrences(sentences: list[str], earlier: list[str]) -> list[bool]:
+    """Whether each sentence occurs for the first time."""
     known = set(earlier)
     first = []
     for sentence in sentences:
@@ -206,48 +206,50 @@ def first_asked(sentences: list[str], earlier: list[str]) -> list[bool]:
     return first
 
 
-def report(found: Timed, earlier: list[str]) -> None:
-    """Print a row for each stretch between two looks, and one for all; then how long new sentences took."""
+def report(found: LoadResult, earlier: list[str]) -> None:
+    """Print a row for each stretch between two samples, and one for all; then the latency of new sentences."""
     due, ms = np.array(found.due), np.array(found.seconds) * 1e3
     failed = np.array([at for at, _ in found.failures])
     print("\n| seconds | searches | p50 ms | p95 | p99 | worst | failed | cores | own MB | mapped MB | indexing |")
     print("|---|---|---|---|---|---|---|---|---|---|---|")
-    looks = found.samples
-    for (begin, before, _), (end, after, indexing) in [*pairwise(looks), (looks[0], looks[-1])]:
+    samples = found.samples
+    for (begin, before, _), (end, after, indexing) in [*pairwise(samples), (samples[0], samples[-1])]:
         here = ms[(due >= begin) & (due < end)]
         if not len(here):
             continue
         p50, p95, p99 = np.percentile(here, (50, 95, 99))
         lost, cores = int(((failed >= begin) & (failed < end)).sum()), (after.cpu - before.cpu) / (end - begin)
         numbers = f"{len(here)} | {p50:.1f} | {p95:.1f} | {p99:.1f} | {here.max():.0f} | {lost} | {cores:.2f}"
-        said = "yes" if indexing else "no"
-        print(f"| {begin:.0f}–{end:.0f} | {numbers} | {after.own:.0f} | {after.mapped:.0f} | {said} |")
-    first, last = looks[0], looks[-1]
-    new = np.array(first_asked(found.asked, earlier))
+        running = "yes" if indexing else "no"
+        print(f"| {begin:.0f}–{end:.0f} | {numbers} | {after.own:.0f} | {after.mapped:.0f} | {running} |")
+    first, last = samples[0], samples[-1]
+    new = np.array(first_occurrences(found.sentences, earlier))
     p50, p95 = np.percentile(ms[new], (50, 95)) if new.any() else (0.0, 0.0)
     print(
-        f"\n{len(ms) / last[0]:.0f} searches a second, {new.mean():.1%} of them sentences that nobody had asked before "
+        f"\n{len(ms) / last[0]:.0f} searches a second, {new.mean():.1%} of them with a sentence that is new "
         f"(p50 {p50:.1f} ms, p95 {p95:.1f}); "
-        f"{(last[1].cpu - first[1].cpu) / len(ms) * 1e3:.2f} ms of processor each; "
+        f"{(last[1].cpu - first[1].cpu) / len(ms) * 1e3:.2f} CPU ms each; "
         f"own memory {first[1].own:.0f} -> {last[1].own:.0f} MB; failed {len(found.failures)} "
-        f"{[said for _, said in found.failures[:2]] or ''}"
+        f"{[answer for _, answer in found.failures[:2]] or ''}"
     )
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--around", type=Path, required=True, help="a real library")
-    parser.add_argument("--library", type=Path, required=True, help="where the simulated one is kept, or is already")
+    parser.add_argument(
+        "--library", type=Path, required=True, help="the simulated library, written if it does not exist"
+    )
     parser.add_argument("--clips", type=int, default=100_000)
-    parser.add_argument("--noise", type=float, default=0.5, help="how far clips are moved; their vectors have length 1")
+    parser.add_argument("--noise", type=float, default=0.5, help="distance of simulated from real unit vectors")
     parser.add_argument("--rate", type=float, default=200)
     parser.add_argument("--seconds", type=float, default=20)
-    parser.add_argument("--every", type=float, help="seconds of a row; a tenth of all where not given")
+    parser.add_argument("--every", type=float, help="seconds of a row; a tenth of all by default")
     parser.add_argument("--port", type=int, default=8765)
     parser.add_argument("--while-indexing", type=Path, nargs="+", default=[], help="index these folders meanwhile")
     parser.add_argument("--bundle", type=Path, default=bundles.DEFAULT, help="the model of both libraries")
-    parser.add_argument("--before", type=int, default=4000, help="searches that were asked before")
-    parser.add_argument("--recall", type=int, default=50, help="questions asked of an exact search too")
+    parser.add_argument("--before", type=int, default=4000, help="searches that warm the caches")
+    parser.add_argument("--recall", type=int, default=50, help="queries compared with an exact search; 0: none")
     given = parser.parse_args()
     bundles.DEFAULT = given.bundle.resolve()
     if not (given.library / FILE).exists():
@@ -265,16 +267,16 @@ def main() -> None:
     indexing = Indexing(given.while_indexing, given.library)
     with ended(serve(given.library, given.port)) as server:
 
-        def look() -> tuple[Usage, bool]:
-            return Usage.of(server.pid), indexing.goes_on()
+        def sample() -> tuple[Usage, bool]:
+            return Usage.of(server.pid), indexing.is_running()
 
         earlier = asked(given.before, 5)
-        asyncio.run(load(given.port, earlier, 0, look=lambda: (Usage.of(server.pid), False), every=1e6))
+        asyncio.run(load(given.port, earlier, 0, sample=lambda: (Usage.of(server.pid), False), every=1e6))
         sentences = asked(round((given.rate or 300) * given.seconds), 4)
-        print(f"asked for {given.seconds:g} s at {given.rate:g} a second on {len(os.sched_getaffinity(0))} cores")
+        print(f"searching for {given.seconds:g} s at {given.rate:g} a second on {len(os.sched_getaffinity(0))} cores")
         try:
             found = asyncio.run(
-                load(given.port, sentences, given.rate, look=look, every=given.every or given.seconds / 10)
+                load(given.port, sentences, given.rate, sample=sample, every=given.every or given.seconds / 10)
             )
             report(found, earlier)
         finally:

@@ -1,4 +1,4 @@
-"""A finished training run becomes a bundle that can judge its own hits."""
+"""Release: the weights of training runs become a bundle, exported to ONNX and with calibrated strength."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import torch
 from encoders.bundle.bundle import Bundle
 from encoders.corpus.composition.captioned_motion import CaptionedTake
 from encoders.corpus.composition.seeds import CALIBRATION
-from encoders.corpus.composition.synthetic_pairs import SyntheticClip, synthetic_clips
+from encoders.corpus.composition.synthetic_pairs import synthetic_clips
 from encoders.errors import MotionSeekError
 from encoders.features.registry import FEATURE_KINDS
 from encoders.tmr.conversion.to_bundle import export_bundle
@@ -25,7 +25,8 @@ from encoders.tmr.training.dataset import unrelated_sentences
 from encoders.tmr.training.recipe import Recipe
 from search.ranking.calibration import calibrate
 
-_BACKGROUND, _ASKED, _UNRELATED = 1500, 800, 400
+#: Synthetic clips of the background, those queried for, and out-of-domain sentences.
+_BACKGROUND, _QUERIED, _OUT_OF_DOMAIN = 1500, 800, 400
 
 
 def release(
@@ -37,18 +38,23 @@ def release(
     training: Mapping[str, Any] | None = None,
     takes: Sequence[CaptionedTake] = (),
 ) -> Bundle:
-    """Export the averaged weights of one run or several, calibrate them on made clips nobody trained on, and write it.
+    """Export the averaged weights of one run or several and calibrate them on synthetic clips held out of training.
 
     Parameters
     ----------
     runs : sequence of Path
         Each with recipe.json, last.pt and normaliser.npz; see `mean_weights`.
     folder : Path
-        The bundle; one that is there is replaced when the new one is whole.
-    takes : sequence of CaptionedTake
-        Real takes for validation, to calibrate on beside made clips.
+        The bundle; an existing one is replaced once the new one is complete.
     training : mapping
-        What the manifest says of the training, beside the recipe's main numbers.
+        What the manifest says about the training, beside the recipe's main numbers.
+    takes : sequence of CaptionedTake
+        Real takes of the validation split, to calibrate on too.
+
+    Raises
+    ------
+    MotionSeekError
+        If the runs cannot be averaged; see `mean_weights`.
     """
     recipe, weights, steps = mean_weights(runs)
     model = TMR(recipe.network)
@@ -71,20 +77,26 @@ def release(
         )
         return Bundle.load(folder)
 
-    clips = calibration_clips(kind)
-    unrelated = unrelated_sentences(_UNRELATED, seed=1)
-    return export(calibrate(export(None), clips[:_BACKGROUND], clips[_BACKGROUND:], unrelated, takes))
+    clips = list(synthetic_clips(CALIBRATION, _BACKGROUND + _QUERIED, FEATURE_KINDS[kind]))
+    out_of_domain = unrelated_sentences(_OUT_OF_DOMAIN, seed=1)
+    return export(calibrate(export(None), clips[:_BACKGROUND], clips[_BACKGROUND:], out_of_domain, takes))
 
 
 def mean_weights(runs: Sequence[Path]) -> tuple[Recipe, dict[str, torch.Tensor], list[int]]:
-    """The encoders of runs that went on from the same one, averaged: the last one's recipe, weights, each one's steps.
+    """The averaged encoder weights of runs that began from the same one (Wortsman et al., "Model soups", ICML 2022).
 
-    Such a mean finds more than any of them and costs no more than one (Wortsman et al., "Model soups", ICML 2022).
+    Returns
+    -------
+    recipe : Recipe
+        That of the last run.
+    weights : {name: tensor}
+    steps : list of int
+        Training steps of each run.
 
     Raises
     ------
     MotionSeekError
-        If their encoders or normalisers differ in size or numbers.
+        If their networks or normalisers differ.
     """
     recipes, saved, norms = [], [], []
     for run in runs:
@@ -94,12 +106,7 @@ def mean_weights(runs: Sequence[Path]) -> tuple[Recipe, dict[str, torch.Tensor],
         normaliser = Normaliser.load(run)
         norms.append(np.stack([normaliser.mean, normaliser.std]))
         if recipes[-1].network != recipes[0].network or not np.array_equal(norms[-1], norms[0]):
-            raise MotionSeekError(f"{run}: has other sizes or another normaliser than {runs[0]}; release it by itself")
+            raise MotionSeekError(f"{run}: has another network or normaliser than {runs[0]}; release it by itself")
     names = TMR(recipes[-1].network).state_dict()
     weights = {name: torch.stack([one["average"][name] for one in saved]).mean(dim=0) for name in names}
     return recipes[-1], weights, [one["step"] for one in saved]
-
-
-def calibration_clips(kind: str) -> Sequence[SyntheticClip]:
-    """Made clips that are in no training, validation or test set."""
-    return list(synthetic_clips(CALIBRATION, _BACKGROUND + _ASKED, FEATURE_KINDS[kind]))
