@@ -61,6 +61,22 @@ class Clip:
         """The source file."""
         return self.root / self.path
 
+    def document(self, captions: Sequence[Caption] = ()) -> dict[str, Any]:
+        """The clip as plain data with stable keys and rounded numbers; it contains no absolute path."""
+        return {
+            "id": self.id,
+            "root": self.root_name,
+            "path": self.path,
+            "name": self.name,
+            "duration": round(self.duration, 3),
+            "fps": self.fps,
+            "frames": self.frames,
+            "format": self.format,
+            "rig": self.rig,
+            "added": self.added,
+            "captions": [caption.document() for caption in captions],
+        }
+
 
 @dataclass(frozen=True)
 class Caption:
@@ -69,6 +85,10 @@ class Caption:
     text: str
     start: float | None = None
     end: float | None = None
+
+    def document(self) -> dict[str, Any]:
+        """The caption as plain data."""
+        return {"text": self.text, "start": self.start, "end": self.end}
 
 
 def select(db: sqlite3.Connection, roots: Mapping[int, Path], condition: str, values: Sequence[Any]) -> list[Clip]:

@@ -18,7 +18,7 @@ from encoders.errors import BundleMismatch, LibraryDamaged, LibraryError, Librar
 from encoders.motion import FPS, Motion
 from encoders.protocol import Encoder
 from indexer.store import poses, schema
-from indexer.store.clips import LIVE, Caption, Clip, select
+from indexer.store.clips import LIVE, Caption, Clip, root_names, select
 from indexer.store.stats import stats
 from indexer.vectors.sync import CLIPS, WINDOWS, Galleries
 
@@ -146,6 +146,11 @@ class StoredLibrary:
     def roots(self) -> list[Path]:
         """The indexed folders."""
         return list(self._roots().values())
+
+    @property
+    def root_names(self) -> list[str]:
+        """The names of the indexed folders, unique in this library, in the order of `roots`."""
+        return list(root_names(self._roots()).values())
 
     def _roots(self) -> dict[int, Path]:
         rows = self.connection.execute("SELECT id, path FROM roots ORDER BY id")

@@ -1,1 +1,1 @@
-"""The local server: HTTP around one library. Needs the extra `serve`."""
+"""The HTTP server of one library. Needs the extra `serve`."""

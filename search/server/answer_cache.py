@@ -1,7 +1,7 @@
-"""Answers that stand while a library grows: one is dropped only where something that was added could change it.
+"""The answer cache: an answer stays valid while the library grows, until an added row could change it.
 
-An answer holds the best clips for a query vector. A clip or a window that came later and scores less than the last of
-them changes nothing, and what a batch of added rows scores for every held answer is one matrix product.
+An answer holds the best clips for a query vector. A clip or a window that is added later and scores less than the last
+of them cannot change it, and the scores of a batch of added rows for all cached queries are one matrix product.
 """
 
 from __future__ import annotations
@@ -16,89 +16,87 @@ from numpy.typing import NDArray
 
 Vectors = NDArray[np.float32]
 
-#: Added rows that are compared at once.
-_CHUNK = 1024
+#: Added rows that are scored at once.
+_BLOCK = 1024
 
 
 @dataclass(frozen=True)
 class StaleCriterion:
-    """What an answer stands on.
+    """What makes an answer stale: an added row that scores at least `threshold` for `query`.
 
     Attributes
     ----------
-    vector : (D,)
-        The query.
-    floor : float
-        What scores less for it changes nothing.
+    query : float32 array (D,)
+    threshold : float
     """
 
-    vector: Vectors
-    floor: float
+    query: Vectors
+    threshold: float
 
 
 class AnswerCache:
-    """Finished answers of one generation of a library, at most `size`; the least used go first. Thread-safe."""
+    """Answers valid for one generation of a library, at most `size`, least recently used evicted first. Thread-safe."""
 
     def __init__(self, generation: int, size: int = 4096) -> None:
         self._generation = generation
         self._size = size
-        self._held: OrderedDict[Hashable, tuple[bytes, StaleCriterion]] = OrderedDict()
+        self._answers: OrderedDict[Hashable, tuple[bytes, StaleCriterion]] = OrderedDict()
         self._lock = threading.Lock()
 
     def __len__(self) -> int:
-        return len(self._held)
+        return len(self._answers)
 
     def get(self, key: Hashable) -> bytes | None:
-        """The answer, None where there is none."""
+        """The cached answer, else None."""
         with self._lock:
-            if key not in self._held:
+            if key not in self._answers:
                 return None
-            self._held.move_to_end(key)
-            return self._held[key][0]
+            self._answers.move_to_end(key)
+            return self._answers[key][0]
 
-    def put(self, key: Hashable, answer: bytes, grounds: StaleCriterion, generation: int) -> None:
-        """Remember an answer that was found in this generation of the library; if it has grown since, do not."""
+    def put(self, key: Hashable, answer: bytes, criterion: StaleCriterion, generation: int) -> None:
+        """Cache an answer computed at a generation; ignored where the library has changed since."""
         with self._lock:
             if generation != self._generation:
                 return
-            self._held[key] = answer, grounds
-            self._held.move_to_end(key)
-            while len(self._held) > self._size:
-                self._held.popitem(last=False)
+            self._answers[key] = answer, criterion
+            self._answers.move_to_end(key)
+            while len(self._answers) > self._size:
+                self._answers.popitem(last=False)
 
     def clear(self, generation: int) -> None:
-        """Forget all answers; those to come are of this generation."""
+        """Invalidate all answers; those to come are of `generation`."""
         with self._lock:
             self._generation = generation
-            self._held.clear()
+            self._answers.clear()
 
     def grow(self, generation: int, added: Vectors) -> None:
-        """Drop what a growth to a generation, in which nothing went or changed, could change.
+        """Invalidate the answers that become stale by a growth in which no clip was removed or changed.
 
-        To be called before anything is answered from that generation. Answers are given meanwhile.
+        To be called before anything is answered from `generation`; concurrent reads are safe.
 
         Parameters
         ----------
-        added : (N, D)
-            Vectors of what came: whole clips and windows.
+        added : float32 array (N, D)
+            The vectors of added clips and windows.
         """
         with self._lock:
             self._generation = generation
-            held = [(key, grounds) for key, (_, grounds) in self._held.items()]
-        if not held:
+            cached = [(key, criterion) for key, (_, criterion) in self._answers.items()]
+        if not cached:
             return
-        queries = np.stack([grounds.vector for _, grounds in held])
-        floors = np.array([grounds.floor for _, grounds in held])
-        shaken = _best(queries, added) >= floors
+        queries = np.stack([criterion.query for _, criterion in cached])
+        thresholds = np.array([criterion.threshold for _, criterion in cached])
+        stale = _best_scores(queries, added) >= thresholds
         with self._lock:
-            for (key, _), drop in zip(held, shaken.tolist(), strict=True):
-                if drop:
-                    self._held.pop(key, None)
+            for (key, _), is_stale in zip(cached, stale.tolist(), strict=True):
+                if is_stale:
+                    self._answers.pop(key, None)
 
 
-def _best(queries: Vectors, rows: Vectors) -> Vectors:
-    """The best score (Q,) among rows (N, D) for each query (Q, D); minus infinity where there are none."""
+def _best_scores(queries: Vectors, rows: Vectors) -> Vectors:
+    """The best score (Q,) of rows (N, D) for each query (Q, D); minus infinity where there are no rows."""
     best = np.full(len(queries), -np.inf, np.float32)
-    for first in range(0, len(rows), _CHUNK):
-        np.maximum(best, (queries @ rows[first : first + _CHUNK].T).max(axis=1), out=best)
+    for first in range(0, len(rows), _BLOCK):
+        np.maximum(best, (queries @ rows[first : first + _BLOCK].T).max(axis=1), out=best)
     return best

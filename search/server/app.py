@@ -1,4 +1,4 @@
-"""The application: routes, errors, checks and metrics put together."""
+"""The ASGI application: routes, exception handlers and middleware."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ def create_app(
     token: str | None = None,
     limits: UploadLimits | None = None,
 ) -> ASGIApp:
-    """The server of one library, which it closes when it shuts down.
+    """The application for one library; closes the library at shutdown.
 
     Parameters
     ----------
     host : str
-        What it is bound to.
+        The address the server is bound to.
     names : iterable of str
-        Further names it is known by.
+        Further host names that requests may use.
     token : str, optional
-        What every request must carry.
+        The secret that every request must carry.
     limits : UploadLimits, optional
-        What an upload may cost.
+        Resource limits of uploads.
     """
     state = AppState(served, limits)
 
@@ -60,14 +60,13 @@ def create_app(
     for module in (search, motions, library, health):
         app.include_router(module.routes(state))
     app.mount("/", StaticPage())
-    # Around the app rather than among its middleware, so that even an unexpected error is counted and guarded.
-    return HeadMiddleware(
-        MetricsMiddleware(SecurityMiddleware(app, host=host, names=names, token=token), state.metrics)
-    )
+    # Wrapped around the app, not added to its middleware: responses to unexpected exceptions pass these, too.
+    guarded = SecurityMiddleware(app, host=host, names=names, token=token)
+    return HeadMiddleware(MetricsMiddleware(guarded, state.metrics))
 
 
 class HeadMiddleware:
-    """ASGI middleware: HEAD is answered as GET is, without the body. FastAPI's routes know GET alone."""
+    """Answers HEAD as GET without the body; FastAPI's routes accept GET only."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app

@@ -1,4 +1,4 @@
-"""What the routes share: the library, what was uploaded, what was answered, and how much is done at once."""
+"""What the routes share: the library, uploads, cached responses, and the queues that limit concurrent work."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ import anyio
 import numpy as np
 from anyio.to_thread import run_sync
 from numpy.typing import NDArray
+from starlette.exceptions import HTTPException
 
 from indexer.store.clips import Clip
 from search.hits import Hit
-from search.query.question import Question
 from search.server.cache import Cache
-from search.server.exception_handlers import Refused
 from search.server.microbatching import MicroBatcher, ServerBusy
 from search.server.prometheus import Metrics
 from search.server.snapshot_library import SearchRequest, SnapshotLibrary
@@ -24,92 +23,93 @@ from search.source import MotionSource
 
 Value = TypeVar("Value")
 
-#: Threads that compare vectors.
-_SEARCHERS = 2
-#: Long questions answered at once, and waiting.
-_AT_ONCE, _WAITING = 2, 64
-_REMEMBERED = 4096
+#: Threads that search the vector indexes.
+_SEARCH_WORKERS = 2
+#: Slow requests processed at the same time, and queued.
+_SLOW_AT_ONCE, _SLOW_QUEUE = 2, 64
+_CACHED_RESPONSES = 4096
 
 
 class AppState:
-    """One server's state."""
+    """The state of one server."""
 
     def __init__(self, library: SnapshotLibrary, limits: UploadLimits | None = None) -> None:
         self.library = library
         self.uploads = UploadStore(limits)
         self.metrics = Metrics()
-        self.sentences: MicroBatcher[str, NDArray[np.float32]] = MicroBatcher(library.encode_all)
-        self.searches: MicroBatcher[SearchRequest, list[Hit]] = MicroBatcher(
-            library.search_all, workers=_SEARCHERS, largest=2
+        self.text_batches: MicroBatcher[str, NDArray[np.float32]] = MicroBatcher(library.encode_all)
+        self.search_batches: MicroBatcher[SearchRequest, list[Hit]] = MicroBatcher(
+            library.search_all, workers=_SEARCH_WORKERS, max_batch=2
         )
-        self.answers: Cache[bytes] = Cache(_REMEMBERED)
-        self._room = anyio.CapacityLimiter(_AT_ONCE)
+        self._responses: Cache[bytes] = Cache(_CACHED_RESPONSES)
+        self._slow = anyio.CapacityLimiter(_SLOW_AT_ONCE)
 
     def close(self) -> None:
-        """Let go of threads and files."""
-        self.sentences.close()
-        self.searches.close()
+        """End the threads and close the library."""
+        self.text_batches.close()
+        self.search_batches.close()
         self.library.close()
 
-    async def search(self, question: SearchRequest) -> list[Hit]:
-        """The answer to a search.
+    async def encode(self, sentence: str) -> NDArray[np.float32]:
+        """The query vector (D,) of a sentence.
 
-        Sentences that nobody has asked before are encoded together, apart from the searches: encoding takes ten times
-        as long, and whoever asks what is known need not wait for it.
-
-        Raises
-        ------
-        QueryError
-            If the sentence is empty or a filter makes no sense.
-        ServerBusy
-            If too many wait already.
-        """
-        Question.of(question.text, split_steps=False)
-        if not self.library.knows(question.text):
-            await self.sentences.ask(question.text)
-        return await self.searches.ask(question)
-
-    async def at_length(self, work: Callable[[], Value]) -> Value:
-        """The result of work that takes a while, done in a thread, only a few at once.
+        New sentences are encoded in batches of their own: that takes ten times as long as a search, and searches for
+        known sentences need not wait for it.
 
         Raises
         ------
         ServerBusy
-            If too many wait already.
+            If too many sentences are queued.
         """
-        if self._room.statistics().tasks_waiting >= _WAITING:
+        cached = self.library.cached_query(sentence)
+        return await self.text_batches.submit(sentence) if cached is None else cached
+
+    async def run_slow(self, work: Callable[[], Value]) -> Value:
+        """The result of slow work, run in a thread, only a few at the same time.
+
+        Raises
+        ------
+        ServerBusy
+            If too many are queued.
+        """
+        if self._slow.statistics().tasks_waiting >= _SLOW_QUEUE:
             raise ServerBusy
-        return await run_sync(work, limiter=self._room)
+        return await run_sync(work, limiter=self._slow)
 
-    async def remembered(self, key: Sequence[Hashable], make: Callable[[], bytes]) -> bytes:
-        """An answer given before to the same question of the same state of the library, or made at length."""
+    async def cached(self, key: Sequence[Hashable], make: Callable[[], bytes]) -> bytes:
+        """The cached response of the library's present generation, else `make()`, run as slow work."""
         full = (self.library.snapshot.generation, *key)
-        document = self.answers.get(full)
-        if document is None:
-            document = await self.at_length(make)
-            self.answers.put(full, document)
-        return document
+        response = self._responses.get(full)
+        if response is None:
+            response = await self.run_slow(make)
+            self._responses.put(full, response)
+        return response
 
     def clip(self, ref: str) -> Clip | Upload:
-        """The clip or upload that is meant.
+        """The clip of a number ("12" or "#12"), or the upload of a key.
 
         Raises
         ------
-        Refused
+        HTTPException
             404 if there is none.
         """
-        found = self.uploads.get(ref) if ref.startswith("u") else self.library.clips([int(ref)]).get(int(ref))
-        if found is None:
-            said = "this upload is no longer here; drop the file again" if ref.startswith("u") else f"no clip #{ref}"
-            raise Refused(404, said)
-        return found
+        if ref.startswith("u"):
+            upload = self.uploads.get(ref)
+            if upload is None:
+                raise HTTPException(404, "this upload is no longer kept; upload the file again")
+            return upload
+        number = int(ref.removeprefix("#"))
+        clip = self.library.clips([number]).get(number)
+        if clip is None:
+            raise HTTPException(404, f"no clip #{number}")
+        return clip
 
     def source(self, ref: str) -> MotionSource:
-        """The motion that is meant, with what is known of it; see `clip`."""
+        """The motion of a clip or an upload; see `clip`."""
         found = self.clip(ref)
         if isinstance(found, Upload):
             return found.source
         source = MotionSource.of_clip(self.library, found)
-        # A link that now leads out of the indexed folder is not followed.
+        # A symbolic link that leads out of the indexed folder is not followed.
         inside = found.file.resolve().is_relative_to(found.root)
         return source if inside else dataclasses.replace(source, file=None)

@@ -1,8 +1,10 @@
-"""Errors as the server says them: `{"error": "..."}` with the right code."""
+"""Exceptions as HTTP errors: each class has its code, and no message contains an absolute path."""
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
+from pathlib import PurePath
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -11,10 +13,34 @@ from fastapi.responses import JSONResponse
 from pydantic import BaseModel
 from starlette.exceptions import HTTPException
 
-from encoders.errors import BundleError, BundleMismatch, LibraryError, QueryError, UnreadableMotion
+from encoders.errors import (
+    BundleError,
+    BundleMismatch,
+    LibraryDamaged,
+    LibraryError,
+    LibraryLocked,
+    LibraryNotFound,
+    MotionSeekError,
+    QueryError,
+    UnknownClip,
+    UnreadableMotion,
+)
 from search.server.microbatching import ServerBusy
+from search.server.responses import error_response
 
-BUSY = "too much is asked at once; ask again in a moment"
+BUSY = "server busy; try again in a moment"
+
+#: Class -> message of a 503. The exception's own message names folders, so it goes to the log only.
+_UNAVAILABLE: dict[type[MotionSeekError], str] = {
+    LibraryNotFound: "the library is missing",
+    LibraryLocked: "the library is locked by another process; try again in a moment",
+    LibraryDamaged: "the library is damaged",
+    BundleMismatch: "the library was re-encoded with another model; restart the server",
+    BundleError: "the model cannot be loaded",
+    LibraryError: "the library cannot be read",
+}
+
+_LOG = logging.getLogger("motionseek.server")
 
 
 class ErrorResponse(BaseModel):
@@ -23,83 +49,73 @@ class ErrorResponse(BaseModel):
     error: str
 
 
-class Refused(Exception):
-    """A request that is answered with an error."""
-
-    def __init__(self, code: int, message: str) -> None:
-        super().__init__(message)
-        self.code = code
-        self.message = message
-
-
-#: Codes that any route may answer with, for its description.
+#: OpenAPI: errors of any route.
 ANY: dict[int | str, dict[str, Any]] = {
-    401: {"model": ErrorResponse, "description": "A token is needed"},
-    403: {"model": ErrorResponse, "description": "Another site asks"},
-    421: {"model": ErrorResponse, "description": "Asked under a name that is not this computer's"},
-    422: {"model": ErrorResponse, "description": "What is asked makes no sense"},
-    503: {"model": ErrorResponse, "description": "Busy, or model and library do not fit"},
+    401: {"model": ErrorResponse, "description": "Token missing or wrong"},
+    403: {"model": ErrorResponse, "description": "Cross-origin request rejected"},
+    421: {"model": ErrorResponse, "description": "Unknown host name"},
+    422: {"model": ErrorResponse, "description": "Invalid argument"},
+    503: {"model": ErrorResponse, "description": "Server busy, or the library or the model is unavailable"},
 }
-#: Beside these, where a clip is named.
-NO_CLIP: dict[int | str, dict[str, Any]] = {404: {"model": ErrorResponse, "description": "No such clip"}}
-#: Beside these, where a file is uploaded.
+#: OpenAPI: further errors of routes that take a clip.
+NO_CLIP: dict[int | str, dict[str, Any]] = {404: {"model": ErrorResponse, "description": "Unknown clip"}}
+#: OpenAPI: further errors of routes that take an upload.
 UPLOAD: dict[int | str, dict[str, Any]] = {
-    408: {"model": ErrorResponse, "description": "The upload took too long"},
-    413: {"model": ErrorResponse, "description": "The upload is too large"},
+    408: {"model": ErrorResponse, "description": "Upload timed out"},
+    413: {"model": ErrorResponse, "description": "Upload too large"},
 }
 
 
 def ok(model: type[BaseModel]) -> dict[int | str, dict[str, Any]]:
-    """The description of a good answer."""
+    """OpenAPI: the response model of a route."""
     return {200: {"model": model}}
 
 
-def refusal(code: int, message: str) -> JSONResponse:
-    """An error as a response."""
-    headers = {"Retry-After": "1"} if code == 503 else {}
-    if code == 401:
-        headers["WWW-Authenticate"] = "Bearer"
-    return JSONResponse({"error": message}, code, headers | {"Cache-Control": "no-store"})
-
-
-def _named(place: Sequence[str | int]) -> str:
-    """The parameter at a place, without the number of the value where it has several."""
-    return next(part for part in reversed(place) if isinstance(part, str))
-
-
 def install(app: FastAPI) -> None:
-    """Let the app say every error in this way."""
-
-    @app.exception_handler(Refused)
-    async def refused(_: Request, error: Refused) -> JSONResponse:
-        return refusal(error.code, error.message)
+    """Register the handlers with an app."""
 
     @app.exception_handler(RequestValidationError)
-    async def invalid(_: Request, error: RequestValidationError) -> JSONResponse:
-        return refusal(422, "; ".join(f"{_named(entry['loc'])}: {entry['msg']}" for entry in error.errors()))
+    async def invalid_parameter(_: Request, error: RequestValidationError) -> JSONResponse:
+        return error_response(422, "; ".join(f"{_parameter(entry['loc'])}: {entry['msg']}" for entry in error.errors()))
 
     @app.exception_handler(HTTPException)
-    async def http(_: Request, error: HTTPException) -> JSONResponse:
-        said = "there is nothing here; the routes are in /openapi.json" if error.status_code == 404 else error.detail
-        response = refusal(error.status_code, said)
+    async def http_error(_: Request, error: HTTPException) -> JSONResponse:
+        unknown_route = error.status_code == 404 and error.detail == "Not Found"
+        response = error_response(
+            error.status_code, "no such route; /openapi.json lists them" if unknown_route else error.detail
+        )
         response.headers.update(error.headers or {})
         return response
 
     @app.exception_handler(QueryError)
+    async def invalid_query(_: Request, error: QueryError) -> JSONResponse:
+        return error_response(422, str(error))
+
     @app.exception_handler(UnreadableMotion)
-    async def senseless(_: Request, error: Exception) -> JSONResponse:
-        return refusal(422, str(error))
+    async def unreadable(_: Request, error: UnreadableMotion) -> JSONResponse:
+        return error_response(422, f"{PurePath(error.path).name}: {error.reason}")
+
+    @app.exception_handler(UnknownClip)
+    async def unknown_clip(_: Request, error: UnknownClip) -> JSONResponse:
+        return error_response(404, "no such clip; it may have been removed")
 
     @app.exception_handler(LibraryError)
     @app.exception_handler(BundleError)
     @app.exception_handler(BundleMismatch)
-    async def unusable(_: Request, error: Exception) -> JSONResponse:
-        return refusal(503, str(error))
+    async def unavailable(_: Request, error: MotionSeekError) -> JSONResponse:
+        _LOG.error("%s", error)
+        message = next(said for kind, said in _UNAVAILABLE.items() if isinstance(error, kind))
+        return error_response(503, f"{message}; details are in the server's log")
 
     @app.exception_handler(ServerBusy)
     async def busy(_: Request, error: ServerBusy) -> JSONResponse:
-        return refusal(503, BUSY)
+        return error_response(503, BUSY)
 
     @app.exception_handler(Exception)
     async def unexpected(_: Request, error: Exception) -> JSONResponse:
-        return refusal(500, "the server failed at this; what it says where it was started tells more")
+        return error_response(500, "internal error, see the server's log")
+
+
+def _parameter(location: Sequence[str | int]) -> str:
+    """The name of the parameter at a location, without the index of the value where it is given several times."""
+    return next(part for part in reversed(location) if isinstance(part, str))

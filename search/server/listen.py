@@ -1,4 +1,4 @@
-"""Running: a port, the server on it, the address it is reached at."""
+"""Listening: a socket on a free port, the server on it, and its URL."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ from starlette.types import ASGIApp
 
 PORT = 8420
 
-#: Ports tried after the usual one.
+#: Ports tried after the default one.
 _MORE_PORTS = 20
-_GRACE = 3  # seconds for answers under way when the server is ended
+_GRACE = 3  # seconds for requests in flight at shutdown
 
 
 class PortTaken(OSError):
-    """Nothing can listen there."""
+    """No socket can be bound to the port."""
 
 
 def listen(host: str, port: int | None) -> socket.socket:
-    """A socket that listens on `port`, None for the usual one or the next that is free.
+    """A socket that listens on `port`, or with None on the default port or the next one that is free.
 
     Raises
     ------
     PortTaken
-        If nothing can listen there; says why and what to do.
+        If no socket can be bound; the message says why and what to do.
     """
-    tried = range(PORT, PORT + _MORE_PORTS) if port is None else (port,)
-    for number in tried:
+    ports = range(PORT, PORT + _MORE_PORTS) if port is None else (port,)
+    for number in ports:
         try:
             return _bound(host, number)
         except OSError as error:
             problem = error
-    what = f"ports {tried[0]} to {tried[-1]}" if port is None else f"port {port}"
+    what = f"ports {ports[0]} to {ports[-1]}" if port is None else f"port {port}"
     reason = (problem.strerror or str(problem)).lower()
     raise PortTaken(f"cannot listen on {what} of {host} ({reason}); name a free one with --port")
 
@@ -44,7 +44,7 @@ def _bound(host: str, port: int) -> socket.socket:
     listening = socket.socket(family, kind, protocol)
     try:
         with suppress(AttributeError):
-            # Windows lets two servers share a port unless this is asked for; elsewhere, a restart need not wait.
+            # Windows lets two servers share a port unless this is set.
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)  # type: ignore[attr-defined,unused-ignore]
         if not hasattr(socket, "SO_EXCLUSIVEADDRUSE"):
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -57,13 +57,13 @@ def _bound(host: str, port: int) -> socket.socket:
 
 
 def address(listening: socket.socket, host: str) -> str:
-    """The URL a browser on this computer opens."""
+    """The URL for a browser on this computer."""
     name = "127.0.0.1" if host in ("0.0.0.0", "") else "[::1]" if host == "::" else f"[{host}]" if ":" in host else host
     return f"http://{name}:{listening.getsockname()[1]}/"
 
 
 def serve(app: ASGIApp, listening: socket.socket, *, ready: Callable[[], None] = lambda: None) -> None:
-    """Serve until interrupted; `ready` is called once requests are answered."""
+    """Serve until interrupted; `ready` is called when the server accepts requests."""
 
     class Server(uvicorn.Server):
         async def startup(self, sockets: list[socket.socket] | None = None) -> None:

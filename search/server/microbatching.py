@@ -1,7 +1,7 @@
-"""Batching: questions that arrive together are answered together.
+"""Micro-batching: requests that arrive while others are processed are processed together.
 
-No question waits for company: a worker takes whatever has come while it was busy, so batches grow with the load and
-a lone question is answered at once.
+There is no waiting time: a worker takes whatever has queued up while it was busy, so batches grow with the load and a
+lone request is processed at once.
 """
 
 from __future__ import annotations
@@ -13,103 +13,106 @@ from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 
 Item = TypeVar("Item")
-Answer = TypeVar("Answer")
+Result = TypeVar("Result")
 
 
 class ServerBusy(Exception):
-    """More questions wait than can be answered in good time."""
+    """More requests are queued than can be processed in good time."""
 
 
-class MicroBatcher(Generic[Item, Answer]):
-    """Answers questions in batches, in threads of its own.
+class MicroBatcher(Generic[Item, Result]):
+    """Processes items in batches, in threads of its own.
 
     Parameters
     ----------
-    answer : function
-        A batch -> an answer, or an exception, for each item.
+    process : callable
+        A batch -> a result, or an exception, for each item.
     workers : int
         Threads.
-    largest : int
-        Questions of a batch; the more, the longer the first waits for the last.
-    most_waiting : int
-        Questions that may wait before more are refused.
+    max_batch : int
+        Items of a batch; with larger ones the first item waits longer for the last.
+    max_queue : int
+        Items that may be queued before more are rejected.
     """
 
     def __init__(
         self,
-        answer: Callable[[Sequence[Item]], Sequence[Answer | Exception]],
+        process: Callable[[Sequence[Item]], Sequence[Result | Exception]],
         *,
         workers: int = 1,
-        largest: int = 8,
-        most_waiting: int = 512,
+        max_batch: int = 8,
+        max_queue: int = 512,
     ) -> None:
-        self._answer = answer
-        self._largest = largest
-        self._most_waiting = most_waiting
-        self._waiting: queue.SimpleQueue[tuple[Item, asyncio.Future[Answer]] | None] = queue.SimpleQueue()
-        self._workers = [threading.Thread(target=self._work, daemon=True, name="answering") for _ in range(workers)]
+        self._process = process
+        self._max_batch = max_batch
+        self._max_queue = max_queue
+        self._queue: queue.SimpleQueue[tuple[Item, asyncio.Future[Result]] | None] = queue.SimpleQueue()
+        self._workers = [
+            threading.Thread(target=self._work, daemon=True, name="micro-batching") for _ in range(workers)
+        ]
         self.batches = 0
         self.items = 0
         for worker in self._workers:
             worker.start()
 
-    async def ask(self, item: Item) -> Answer:
-        """The answer to one question.
+    async def submit(self, item: Item) -> Result:
+        """The result of one item.
 
         Raises
         ------
         ServerBusy
-            If too many wait already.
+            If the queue is full.
         """
-        if self._waiting.qsize() >= self._most_waiting:
+        if self._queue.qsize() >= self._max_queue:
             raise ServerBusy
-        future: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
-        self._waiting.put((item, future))
+        future: asyncio.Future[Result] = asyncio.get_running_loop().create_future()
+        self._queue.put((item, future))
         return await future
 
     def close(self) -> None:
-        """End the threads once what waits is answered."""
+        """Process what is queued, then end the threads."""
         for _ in self._workers:
-            self._waiting.put(None)
+            self._queue.put(None)
         for worker in self._workers:
             worker.join()
 
     def _work(self) -> None:
         while True:
-            batch, more = self._next()
+            batch, more = self._next_batch()
             if batch:
                 self._run(batch)
             if not more:
                 return
 
-    def _next(self) -> tuple[list[tuple[Item, asyncio.Future[Answer]]], bool]:
-        """All that waits, once something does; and whether to go on."""
-        taken = [self._waiting.get()]
-        while taken[-1] is not None and len(taken) < self._largest:
+    def _next_batch(self) -> tuple[list[tuple[Item, asyncio.Future[Result]]], bool]:
+        """What is queued, at least one item; and whether to go on."""
+        taken = [self._queue.get()]
+        while taken[-1] is not None and len(taken) < self._max_batch:
             try:
-                taken.append(self._waiting.get_nowait())
+                taken.append(self._queue.get_nowait())
             except queue.Empty:
                 break
         return [entry for entry in taken if entry is not None], taken[-1] is not None
 
-    def _run(self, batch: Sequence[tuple[Item, asyncio.Future[Answer]]]) -> None:
+    def _run(self, batch: Sequence[tuple[Item, asyncio.Future[Result]]]) -> None:
         self.batches += 1
         self.items += len(batch)
+        results: Sequence[Result | Exception]
         try:
-            answers = self._answer([item for item, _ in batch])
+            results = self._process([item for item, _ in batch])
         except Exception as error:
-            answers = [error] * len(batch)
+            results = [error] * len(batch)
         loop = batch[0][1].get_loop()
-        pairs = [(future, answer) for (_, future), answer in zip(batch, answers, strict=True)]
+        pairs = [(future, result) for (_, future), result in zip(batch, results, strict=True)]
         if not loop.is_closed():
-            loop.call_soon_threadsafe(_deliver, pairs)
+            loop.call_soon_threadsafe(_resolve, pairs)
 
 
-def _deliver(pairs: Sequence[tuple[asyncio.Future[Answer], Answer | Exception]]) -> None:
-    for future, answer in pairs:
-        if future.done():  # whoever asked has gone
+def _resolve(pairs: Sequence[tuple[asyncio.Future[Result], Result | Exception]]) -> None:
+    for future, result in pairs:
+        if future.done():  # the client has disconnected
             continue
-        if isinstance(answer, Exception):
-            future.set_exception(answer)
+        if isinstance(result, Exception):
+            future.set_exception(result)
         else:
-            future.set_result(answer)
+            future.set_result(result)

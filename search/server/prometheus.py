@@ -1,4 +1,4 @@
-"""Metrics in Prometheus's text format, counted by hand: requests, their time, and what the library does."""
+"""Metrics in Prometheus's text format: requests, their duration, and gauges of the server."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 
 
 class Metrics:
-    """Counts of requests by route, method and code, and histograms of their time by route."""
+    """Counts of requests by route, method and status code, and histograms of their duration by route."""
 
     def __init__(self) -> None:
         self.in_flight = 0
@@ -37,21 +37,23 @@ class Metrics:
             self._seconds[route] += seconds
 
     def text(self, gauges: Mapping[str, tuple[str, str, float]]) -> str:
-        """Everything as text; `gauges` are further numbers: name -> (type, help, value)."""
+        """All metrics as text; `gauges` are further ones: name -> (type, help, value)."""
         with self._lock:
-            lines = [*_declared("motionseek_requests_total", "counter", "Requests answered.")]
+            lines = [*_declared("motionseek_requests_total", "counter", "Requests processed.")]
             lines += [
                 f'motionseek_requests_total{{route="{route}",method="{method}",code="{code}"}} {count}'
                 for (route, method, code), count in sorted(self._requests.items())
             ]
             name = "motionseek_request_seconds"
-            lines += _declared(name, "histogram", "Time to answer.")
+            lines += _declared(name, "histogram", "Duration of a request.")
             for route, buckets in sorted(self._buckets.items()):
                 bounds = (*(f"{bound:g}" for bound in _BOUNDS), "+Inf")
-                upto = list(accumulate(buckets))
-                lines += [f'{name}_bucket{{route="{route}",le="{b}"}} {n}' for b, n in zip(bounds, upto, strict=True)]
+                cumulative = list(accumulate(buckets))
+                lines += [
+                    f'{name}_bucket{{route="{route}",le="{b}"}} {n}' for b, n in zip(bounds, cumulative, strict=True)
+                ]
                 lines.append(f'{name}_sum{{route="{route}"}} {self._seconds[route]:.6f}')
-                lines.append(f'{name}_count{{route="{route}"}} {upto[-1]}')
+                lines.append(f'{name}_count{{route="{route}"}} {cumulative[-1]}')
         for name, (kind, meaning, value) in gauges.items():
             lines += [*_declared(name, kind, meaning), f"{name} {value:g}"]
         return "\n".join(lines) + "\n"
@@ -70,7 +72,7 @@ class MetricsMiddleware:
             return
         began, code = time.perf_counter(), 500
 
-        async def send_measured(message: Message) -> None:
+        async def send_recorded(message: Message) -> None:
             nonlocal code
             if message["type"] == "http.response.start":
                 code = message["status"]
@@ -78,17 +80,17 @@ class MetricsMiddleware:
 
         self._metrics.in_flight += 1
         try:
-            await self._app(scope, receive, send_measured)
+            await self._app(scope, receive, send_recorded)
         finally:
             self._metrics.in_flight -= 1
-            # A route's pattern and a known method, never what a client made up: it would fill the memory.
+            # The route's pattern and a known method: labels that clients choose would grow without bound.
             route = getattr(scope.get("route"), "path", "") or "other"
             method = scope["method"] if scope["method"] in ("GET", "HEAD", "POST") else "other"
             self._metrics.record(route, method, code, time.perf_counter() - began)
 
 
 def resident_bytes() -> int:
-    """Memory this process holds; 0 where the system does not say."""
+    """Resident memory of this process; 0 where the system does not report it."""
     try:
         for line in Path("/proc/self/status").read_text().splitlines():
             if line.startswith("VmRSS:"):

@@ -1,19 +1,13 @@
-"""The shapes of the server's answers, for its description; answers are written as JSON without passing through them."""
+"""The response models of the OpenAPI description; responses are written as JSON without passing through them."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Literal
 
-from fastapi import Response
 from pydantic import BaseModel, Field
 
-from indexer.store.clips import Caption, Clip
-from search.hits import Hit
-
-#: The number of a clip of the library, or what an upload is called.
-ClipRef = int | str
+#: A clip's number, or the key of an upload.
+ClipKey = int | str
 
 
 class StepModel(BaseModel):
@@ -32,7 +26,8 @@ class HitModel(BaseModel):
     end: float
     duration: float
     caption: str
-    clip: ClipRef
+    clip: ClipKey
+    root: str | None = None
     steps: list[StepModel] | None = None
 
 
@@ -53,13 +48,13 @@ class MomentsResponse(SearchResponse):
 
 
 class CurveResponse(CurveModel):
-    clip: ClipRef
+    clip: ClipKey
     path: str
     duration: float
 
 
 class SimilarResponse(SearchResponse):
-    clip: ClipRef
+    clip: ClipKey
 
 
 class SentenceModel(BaseModel):
@@ -70,7 +65,7 @@ class SentenceModel(BaseModel):
 class DescribeResponse(BaseModel):
     path: str
     sentences: list[SentenceModel]
-    clip: ClipRef
+    clip: ClipKey
 
 
 class CaptionModel(BaseModel):
@@ -80,7 +75,8 @@ class CaptionModel(BaseModel):
 
 
 class MotionModel(BaseModel):
-    clip: ClipRef
+    clip: ClipKey
+    root: str | None
     path: str
     name: str
     duration: float
@@ -107,6 +103,7 @@ class SkeletonResponse(BaseModel):
 
 class StatsResponse(BaseModel):
     version: str
+    roots: list[str]
     clips: int
     generation: int
     seconds: float
@@ -125,38 +122,3 @@ class MapResponse(BaseModel):
 
 class HealthResponse(BaseModel):
     status: Literal["ok"]
-
-
-def answer(content: Any, headers: dict[str, str] | None = None) -> Response:
-    """A JSON document as a response."""
-    return encoded(json.dumps(content, allow_nan=False, separators=(",", ":")).encode(), headers)
-
-
-def encoded(document: bytes, headers: dict[str, str] | None = None) -> Response:
-    """A JSON document, written already, as a response."""
-    return Response(document, media_type="application/json", headers={"Cache-Control": "no-store"} | (headers or {}))
-
-
-def hits(found: Sequence[Hit], upload: str | None = None) -> list[dict[str, Any]]:
-    """Hits as the command line writes them, each with its clip; `upload` names the one that is in no library."""
-    return [hit.document() | {"clip": hit.clip_id if hit.clip_id >= 0 else upload} for hit in found]
-
-
-def motion(clip: Clip) -> dict[str, Any]:
-    """What is known of a clip."""
-    return {
-        "clip": clip.id,
-        "path": clip.path,
-        "name": clip.name,
-        "duration": round(clip.duration, 3),
-        "fps": clip.fps,
-        "frames": clip.frames,
-        "format": clip.format,
-        "rig": clip.rig,
-        "added": clip.added,
-    }
-
-
-def captions(said: Sequence[Caption]) -> list[dict[str, Any]]:
-    """Captions as they are written."""
-    return [{"text": caption.text, "start": caption.start, "end": caption.end} for caption in said]

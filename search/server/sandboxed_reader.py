@@ -1,4 +1,4 @@
-"""Reading an upload, in the process that may be killed over it: less memory and time than a file of one's own gets."""
+"""Reading an upload in a worker process with limits on memory and time, stricter than those for indexed files."""
 
 from __future__ import annotations
 
@@ -7,28 +7,35 @@ from indexer.ingest import worker
 
 READ = "search.server.sandboxed_reader:read"
 
-#: Bytes of address space and seconds of processor time an upload may cost.
+#: Limits of the process: bytes of address space, seconds of CPU time.
 MEMORY = 4 << 30
 SECONDS = 60
 
-#: Frames of the longest upload that is taken: two hours.
-MOST_FRAMES = 2 * 60 * 60 * 20
+#: Frames of the longest upload that is accepted: two hours at 20 a second.
+MAX_FRAMES = 2 * 60 * 60 * 20
 
 
 def read(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tuple[Motion, str]:
-    """See `indexer.ingest.worker.read`; under limits."""
-    _limit()
+    """`indexer.ingest.worker.read` under resource limits.
+
+    Raises
+    ------
+    MemoryError
+        If the motion is too long or a limit is reached.
+    """
+    limit_resources()
     motion, rig = worker.read(path, fps, joint_map)
-    if len(motion) > MOST_FRAMES:
+    if len(motion) > MAX_FRAMES:
         raise MemoryError
     return motion, rig
 
 
-def _limit() -> None:
+def limit_resources() -> None:
+    """Set the limits of this process, where the system has such limits; elsewhere only the time-out remains."""
     try:
         import resource
-    except ImportError:  # where the system has no such limits, the patience of whoever waits remains
+    except ImportError:
         return
     for limit, value in ((resource.RLIMIT_AS, MEMORY), (resource.RLIMIT_CPU, SECONDS), (resource.RLIMIT_FSIZE, 0)):
-        _, most = resource.getrlimit(limit)
-        resource.setrlimit(limit, (value if most == resource.RLIM_INFINITY else min(value, most), most))
+        _, hard = resource.getrlimit(limit)
+        resource.setrlimit(limit, (value if hard == resource.RLIM_INFINITY else min(value, hard), hard))

@@ -1,4 +1,4 @@
-"""Who may ask: the checks that every request passes before any route sees it, and the headers every answer carries."""
+"""Security: the checks of every request (host, origin, token) and the security headers of every response."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from search.server.exception_handlers import refusal
+from search.server.responses import error_response
 
-#: Before the port: a browser sends the cookies of all ports of a computer to each of them.
+#: Followed by the port: browsers send the cookies of all ports of a host to each of them.
 COOKIE = "motionseek_token_"
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 _ANYWHERE = ("0.0.0.0", "::", "")
 
-#: Answered without a token: says nothing of the library, and monitors ask it.
-_OPEN = "/healthz"
+#: Needs no token: it tells nothing about the library, and monitoring polls it.
+_PUBLIC = "/healthz"
 
 _HOST = re.compile(r"(\[(?P<address>[0-9a-fA-F:.]+)\]|(?P<name>[^\s:/?#@\[\]\\]+))(:(?P<port>\d+))?")
 
@@ -42,7 +42,7 @@ _HEADERS = {
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this computer reaches a server bound to `host`."""
+    """Whether a server bound to `host` is reachable from this computer only."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
@@ -50,16 +50,16 @@ def is_loopback(host: str) -> bool:
 
 
 class SecurityMiddleware:
-    """ASGI middleware: refuses unknown hosts, other sites and askers without the token.
+    """ASGI middleware that rejects unknown hosts, cross-origin requests and requests without the token.
 
     Parameters
     ----------
     host : str
-        What the server is bound to.
+        The address the server is bound to.
     names : iterable of str
-        Further names it is known by.
+        Further host names that requests may use.
     token : str, optional
-        What every request must carry.
+        The secret that every request must carry.
     """
 
     def __init__(self, app: ASGIApp, *, host: str, names: Iterable[str] = (), token: str | None = None) -> None:
@@ -74,28 +74,28 @@ class SecurityMiddleware:
             await self._app(scope, receive, send)
             return
 
-        async def send_guarded(message: Message) -> None:
+        async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
                 MutableHeaders(scope=message).update(_HEADERS)
             await send(message)
 
-        answer = self._refusal(scope, Headers(scope=scope))
-        await (answer or self._app)(scope, receive, send_guarded)
+        rejection = self._rejection(scope, Headers(scope=scope))
+        await (rejection or self._app)(scope, receive, send_with_headers)
 
-    def _refusal(self, scope: Scope, headers: Headers) -> Response | None:
-        """What is answered in place of a route; None to let the request pass."""
-        if not self._knows(headers.get("host", "")):
-            return refusal(421, "this computer is not known by that name; add it with --allow-host")
+    def _rejection(self, scope: Scope, headers: Headers) -> Response | None:
+        """The response in place of a route's; None where the request passes."""
+        if not self._is_known_host(headers.get("host", "")):
+            return error_response(421, "unknown host name; add it with --allow-host")
         if not _same_site(scope, headers):
-            return refusal(403, "another site may not ask; open the page of this server")
-        if self._token is None or scope["path"] == _OPEN or self._carries_token(headers):
+            return error_response(403, "cross-origin request rejected; open this server's own page")
+        if self._token is None or scope["path"] == _PUBLIC or self._carries_token(headers):
             return None
-        return self._signed_in(scope, headers) or refusal(
-            401, "a token is needed: open /?token=TOKEN, or send it as Bearer"
+        return self._sign_in(scope, headers) or error_response(
+            401, "token missing or wrong; open /?token=TOKEN or send 'Authorization: Bearer TOKEN'"
         )
 
-    def _knows(self, host: str) -> bool:
-        """Whether a Host header names this server: another name means that a DNS entry was pointed here."""
+    def _is_known_host(self, host: str) -> bool:
+        """Whether a Host header names this server; another name is a sign of DNS rebinding."""
         found = _HOST.fullmatch(host)
         name = (found["address"] or found["name"]).lower() if found else ""
         return name in self._names or (self._any_address and _is_address(name))
@@ -108,19 +108,19 @@ class SecurityMiddleware:
     def _is_token(self, given: str) -> bool:
         return self._token is not None and hmac.compare_digest(given.encode(), self._token.encode())
 
-    def _signed_in(self, scope: Scope, headers: Headers) -> Response | None:
-        """The page again, with a cookie in place of the token in its address."""
-        asked = parse_qs(scope["query_string"].decode("latin-1"))
-        if scope["path"] != "/" or not self._is_token(asked.pop("token", [""])[0]):
+    def _sign_in(self, scope: Scope, headers: Headers) -> Response | None:
+        """A redirect to the page that replaces the token in its address by a cookie."""
+        query = parse_qs(scope["query_string"].decode("latin-1"))
+        if scope["path"] != "/" or not self._is_token(query.pop("token", [""])[0]):
             return None
-        rest = urlencode(asked, doseq=True)
+        rest = urlencode(query, doseq=True)
         response = RedirectResponse("/" + (f"?{rest}" if rest else ""), 303, {"Cache-Control": "no-store"})
         response.set_cookie(_cookie_name(headers), self._cookie, httponly=True, samesite="strict", path="/")
         return response
 
 
 def _same_site(scope: Scope, headers: Headers) -> bool:
-    """Whether no other site's page makes the request; following a link to the page is no such thing."""
+    """Whether a request is same-origin, or no page's at all; following a link to the page is allowed, too."""
     origin = headers.get("origin")
     if origin is not None and origin.lower().partition("://")[2] != headers.get("host", "").lower():
         return False
@@ -143,7 +143,7 @@ def _cookie_name(headers: Headers) -> str:
 
 
 def _cookie(headers: Headers) -> str:
-    """The value of our cookie; others may hold what no parser takes."""
+    """The value of our cookie, parsed leniently: cookies of others may be malformed."""
     name = _cookie_name(headers)
     pairs = (pair.strip().partition("=") for pair in headers.get("cookie", "").split(";"))
     return next((value for key, _, value in pairs if key == name), "")

@@ -1,4 +1,4 @@
-"""The page's files: those of `search/page` that are of a known kind, and nothing else."""
+"""The page's static files: those of `search/page` with a known ending, and no others."""
 
 from __future__ import annotations
 
@@ -9,12 +9,10 @@ from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
-from search.server.exception_handlers import Refused
-
 FOLDER = Path(__file__).parents[1] / "page"
 
-#: Ending -> media type. Written out, because what the system says of `.js` differs from computer to computer.
-TYPES = {
+#: Ending -> media type. Fixed here, because the system's type for `.js` differs between computers.
+MEDIA_TYPES = {
     ".html": "text/html; charset=utf-8",
     ".css": "text/css; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
@@ -31,25 +29,25 @@ TYPES = {
 
 
 class StaticPage(StaticFiles):
-    """Static files, each asked about again with its ETag, so that an update shows at once and costs nothing else."""
+    """Static files that browsers revalidate by their ETag, so that an update is seen at once."""
 
     def __init__(self, folder: Path = FOLDER) -> None:
         super().__init__(directory=folder, html=True, check_dir=False)
 
     async def check_config(self) -> None:
-        """Nothing: without its folder, there are no such pages."""
+        """Nothing to check: without the folder there is no page, and the routes still work."""
 
     async def get_response(self, path: str, scope: Scope) -> Response:
         """See `StaticFiles.get_response`."""
         if scope["method"] not in ("GET", "HEAD"):
             raise HTTPException(
-                405, "nothing is sent here; the routes and their methods are in /openapi.json", {"Allow": "GET, HEAD"}
+                405, "method not allowed; /openapi.json lists the routes and their methods", {"Allow": "GET, HEAD"}
             )
-        kind = TYPES.get(PurePosixPath("index.html" if path == "." else path).suffix)
-        if kind is None or "\0" in path:
-            raise Refused(404, "there is no such page")
+        media_type = MEDIA_TYPES.get(PurePosixPath("index.html" if path == "." else path).suffix)
+        if media_type is None or "\0" in path:
+            raise HTTPException(404, "no such page")
         response = await super().get_response(path, scope)
         response.headers["Cache-Control"] = "no-cache"
         if response.status_code == 200:
-            response.headers["Content-Type"] = kind
+            response.headers["Content-Type"] = media_type
         return response

@@ -14,30 +14,32 @@ from typing import IO
 
 import anyio
 from anyio.to_thread import run_sync
+from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, Request
 
 from indexer.formats.table import READABLE
 from indexer.ingest import pool
-from search.server.exception_handlers import BUSY, Refused
+from search.server.exception_handlers import BUSY
 from search.server.sandboxed_reader import READ
 from search.source import MotionSource
 
 
 @dataclass(frozen=True)
 class UploadLimits:
-    """What an upload may cost.
+    """Resource limits of uploads.
 
     Attributes
     ----------
     bytes : int
+        Size of a file.
     seconds : float
-        For the file to arrive.
+        Time to receive it.
     patience : float
-        Seconds for it to be read, and two more for each MB.
+        Time to read it in seconds, plus two seconds a MB.
     at_once : int
-        UploadStore in the works.
+        Uploads received or read at the same time.
     kept : int
-        UploadStore that are remembered.
+        Uploads kept in memory.
     kept_bytes : int
         Memory for them.
     """
@@ -52,7 +54,7 @@ class UploadLimits:
 
 @dataclass(frozen=True)
 class Upload:
-    """An uploaded motion, what it is called from then on, and its kind of file and skeleton."""
+    """An uploaded motion: the key that names it in requests, its file format and its rig."""
 
     key: str
     source: MotionSource
@@ -61,46 +63,45 @@ class Upload:
 
 
 class UploadStore:
-    """The uploads of a server."""
+    """The uploads of a server; the least recently used are evicted."""
 
     def __init__(self, limits: UploadLimits | None = None) -> None:
         self._limits = limits or UploadLimits()
-        self._held: OrderedDict[str, Upload] = OrderedDict()
+        self._uploads: OrderedDict[str, Upload] = OrderedDict()
         self._lock = threading.Lock()
         self._running = 0
-        self.refused = 0
+        self.rejected = 0
 
     def get(self, key: str) -> Upload | None:
-        """An upload that is still remembered."""
+        """An upload that is still kept, else None."""
         with self._lock:
-            if key in self._held:
-                self._held.move_to_end(key)
-            return self._held.get(key)
+            if key in self._uploads:
+                self._uploads.move_to_end(key)
+            return self._uploads.get(key)
 
     async def receive(self, request: Request, name: str) -> Upload:
-        """Take in the body of a request as a motion file called `name`.
+        """Receive and read the body of a request as a motion file called `name`.
 
         Raises
         ------
-        Refused
-            413 too large, 408 too slow, 422 no motion that can be read, 503 too many at once.
+        HTTPException
+            400 connection closed, 408 timed out, 413 too large, 422 no readable motion, 503 too many at once.
         """
         ending = PurePosixPath(name.lower()).suffix
         try:
             with self._slot(), tempfile.TemporaryDirectory(prefix="motionseek-") as folder:
-                # The client's name goes no further than its ending, and that only where it is a known one.
+                # Of the client's file name only a known ending is used.
                 path = Path(folder) / f"upload{ending if ending in READABLE else ''}"
                 await self._save(request, path)
                 return await run_sync(self._read, path, name)
-        except Refused:
-            self.refused += 1
+        except HTTPException:
+            self.rejected += 1
             raise
 
     @contextmanager
     def _slot(self) -> Iterator[None]:
-        """One of the uploads in the works."""
         if self._running >= self._limits.at_once:
-            raise Refused(503, BUSY)
+            raise HTTPException(503, BUSY)
         self._running += 1
         try:
             yield
@@ -108,7 +109,7 @@ class UploadStore:
             self._running -= 1
 
     async def _save(self, request: Request, path: Path) -> None:
-        too_large = Refused(413, f"the file is larger than {self._limits.bytes >> 20} MB; cut it into takes")
+        too_large = HTTPException(413, f"the file is larger than {self._limits.bytes >> 20} MB; cut it into takes")
         announced = request.headers.get("content-length", "")
         if announced.isdecimal() and int(announced) > self._limits.bytes:
             raise too_large
@@ -116,15 +117,15 @@ class UploadStore:
             with path.open("xb") as file, anyio.fail_after(self._limits.seconds):
                 await _write(request, file, self._limits.bytes, too_large)
         except TimeoutError:
-            raise Refused(408, f"the file did not arrive within {self._limits.seconds:g} s") from None
+            raise HTTPException(408, f"the file was not received within {self._limits.seconds:g} s") from None
         except ClientDisconnect:
-            raise Refused(400, "the upload was broken off") from None
+            raise HTTPException(400, "the connection was closed before the file was complete") from None
 
     def _read(self, path: Path, name: str) -> Upload:
         request = pool.Request(None, path)
         _, read = next(iter(pool.read_all([request], 1, patience=self._limits.patience, target=READ)))
         if read.motion is None:
-            raise Refused(422, f"{name}: {read.reason}")
+            raise HTTPException(422, f"{name}: {read.reason.replace(str(path), name)}")
         source = MotionSource.of_motion(read.motion, name)
         upload = Upload(f"u{secrets.token_hex(16)}", source, path.suffix.removeprefix("."), read.rig)
         self._keep(upload)
@@ -132,20 +133,20 @@ class UploadStore:
 
     def _keep(self, upload: Upload) -> None:
         with self._lock:
-            self._held[upload.key] = upload
-            while len(self._held) > 1 and (
-                len(self._held) > self._limits.kept or self._held_bytes() > self._limits.kept_bytes
+            self._uploads[upload.key] = upload
+            while len(self._uploads) > 1 and (
+                len(self._uploads) > self._limits.kept or self._bytes() > self._limits.kept_bytes
             ):
-                self._held.popitem(last=False)
+                self._uploads.popitem(last=False)
 
-    def _held_bytes(self) -> int:
-        return sum(upload.source.motion.joints.nbytes for upload in self._held.values())
+    def _bytes(self) -> int:
+        return sum(upload.source.motion.joints.nbytes for upload in self._uploads.values())
 
 
-async def _write(request: Request, file: IO[bytes], most: int, too_large: Refused) -> None:
+async def _write(request: Request, file: IO[bytes], limit: int, too_large: HTTPException) -> None:
     size = 0
     async for chunk in request.stream():
         size += len(chunk)
-        if size > most:
+        if size > limit:
             raise too_large
         file.write(chunk)

@@ -1,8 +1,7 @@
-"""The library as a whole: its numbers and its map."""
+"""Routes of the whole library: statistics and the map."""
 
 from __future__ import annotations
 
-import json
 from importlib.metadata import version
 
 from fastapi import APIRouter, Response
@@ -13,23 +12,25 @@ from search.query.vocabulary import vocabulary
 from search.server import response_models
 from search.server.app_state import AppState
 from search.server.exception_handlers import ANY, ok
-from search.server.response_models import answer, encoded
+from search.server.responses import bytes_response, json_response, to_json
 
 
 def routes(state: AppState) -> APIRouter:
-    """The routes about the library."""
+    """The routes of the library."""
     router = APIRouter(prefix="/api", tags=["library"], default_response_class=Response, responses=ANY)
     library = state.library
 
     @router.get("/stats", responses=ok(response_models.StatsResponse))
     def stats() -> Response:
-        """What the library holds, in numbers."""
-        return answer(library.stats() | {"version": version("motionseek")})
+        """Statistics of the library; roots by name, as absolute paths are not published."""
+        found = library.stats()
+        del found["folder"]
+        return json_response(found | {"roots": library.root_names, "version": version("motionseek")})
 
     @router.get("/map", responses=ok(response_models.MapResponse))
     async def whole_map() -> Response:
-        """Every clip as a point of a plane, near where clips are alike, with what it looks like most."""
-        return encoded(await state.remembered(("map",), lambda: _map(state)))
+        """Every clip as a point of a plane, similar clips close together, with its nearest sentence."""
+        return bytes_response(await state.cached(("map",), lambda: _map(state)))
 
     return router
 
@@ -43,4 +44,4 @@ def _map(state: AppState) -> bytes:
         text_vectors = library.bundle.encode_texts(list(texts))
         library_map = make_map(snapshot.generation, rows.owners, rows.vectors.astype("float32"), texts, text_vectors)
         map_file.save(folder, library_map)
-    return json.dumps(library_map.document(), separators=(",", ":")).encode()
+    return to_json(library_map.document())

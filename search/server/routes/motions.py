@@ -1,4 +1,4 @@
-"""Motions: what is known of them, their joints, their cuts as files."""
+"""Routes of motions: metadata, joints, and cuts as files."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from pathlib import Path, PurePosixPath
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Request, Response
-from fastapi import Path as InPath
 from fastapi.responses import FileResponse
 from starlette.background import BackgroundTask
 
@@ -15,47 +14,48 @@ from encoders.errors import QueryError
 from encoders.motion import FPS, Motion
 from encoders.skeleton import JOINTS, PARENTS
 from indexer.store.clips import Clip
+from search.export import joints_binary
 from search.export.cut import write_cut
-from search.server import joints_binary, response_models
+from search.server import response_models
 from search.server.app_state import AppState
 from search.server.exception_handlers import ANY, NO_CLIP, ok
-from search.server.parameters import ClipRef, Count, Filters, Span
-from search.server.response_models import answer
+from search.server.parameters import ClipInPath, ClipParam, CountParam, FilterParams, SpanParams
+from search.server.responses import json_response
 from search.server.uploads import Upload
 
-_Clip = Annotated[str, InPath(pattern=r"^([0-9]{1,18}|u[0-9a-f]{32})$")]
 _BYTES: dict[int | str, dict[str, Any]] = {
     200: {"content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}}
 }
 
 
 def routes(state: AppState) -> APIRouter:
-    """The routes about motions."""
+    """The routes of motions."""
     router = APIRouter(prefix="/api", tags=["motions"], default_response_class=Response, responses=ANY)
     library = state.library
 
-    def captioned(clip: Clip) -> dict[str, Any]:
-        return response_models.motion(clip) | {"captions": response_models.captions(library.captions(clip.id))}
+    def clip_document(clip: Clip) -> dict[str, Any]:
+        document = clip.document(library.captions(clip.id))
+        return {"clip": document.pop("id")} | document
 
     @router.get("/motions", responses=ok(response_models.MotionsResponse))
-    def motions(given: Filters, offset: Annotated[int, Query(ge=0, le=10**9)] = 0, limit: Count = 24) -> Response:
-        """The library page by page, in order of clip numbers."""
+    def motions(
+        given: FilterParams, offset: Annotated[int, Query(ge=0, le=10**9)] = 0, limit: CountParam = 24
+    ) -> Response:
+        """The clips of the library in order of their numbers, one page of them."""
         allowed = library.allowed(**given)
         ids = library.ids() if allowed is None else allowed
         clips = library.clips(ids[offset : offset + limit].tolist())
-        return answer({"total": len(ids), "motions": [captioned(clip) for clip in clips.values()]})
+        return json_response({"total": len(ids), "motions": [clip_document(clip) for clip in clips.values()]})
 
     @router.get("/motions/{clip}", responses=ok(response_models.MotionResponse) | NO_CLIP)
-    def motion(clip: _Clip) -> Response:
-        """What is known of a motion."""
+    def motion(clip: ClipInPath) -> Response:
+        """The metadata of a motion."""
         found = state.clip(clip)
-        if isinstance(found, Upload):
-            return answer(_uploaded(found))
-        return answer(captioned(found))
+        return json_response(_upload_document(found) if isinstance(found, Upload) else clip_document(found))
 
     @router.get("/motions/{clip}/joints", responses=_BYTES | NO_CLIP)
     def motion_joints(
-        request: Request, clip: _Clip, span: Span, fps: Annotated[float, Query(ge=1, le=60)] = FPS
+        request: Request, clip: ClipInPath, span: SpanParams, fps: Annotated[float, Query(ge=1, le=60)] = FPS
     ) -> Response:
         """The 22 joints of a motion, or a span of it, as bytes: see docs/serving.md."""
         start, end = span
@@ -69,17 +69,17 @@ def routes(state: AppState) -> APIRouter:
 
     @router.get("/skeleton", responses=ok(response_models.SkeletonResponse))
     def skeleton() -> Response:
-        """The 22 joints: their names and parents."""
-        return answer({"joints": list(JOINTS), "parents": PARENTS.tolist()})
+        """The names and parents of the 22 joints."""
+        return json_response({"joints": list(JOINTS), "parents": PARENTS.tolist()})
 
     @router.get("/export", responses=_BYTES | NO_CLIP)
-    async def export(clip: ClipRef, span: Span, format: Literal["bvh", "npz", "npy"] = "bvh") -> Response:
+    async def export(clip: ClipParam, span: SpanParams, format: Literal["bvh", "npz", "npy"] = "bvh") -> Response:
         """A motion, or a span of it, as a file."""
         folder = tempfile.TemporaryDirectory(prefix="motionseek-")
         try:
             source = state.source(clip)
             out = Path(folder.name) / f"cut.{format}"
-            await state.at_length(lambda: write_cut(source, out, *span))
+            await state.run_slow(lambda: write_cut(source, out, *span))
         except BaseException:
             folder.cleanup()
             raise
@@ -96,7 +96,7 @@ def routes(state: AppState) -> APIRouter:
 
 
 def _cut(state: AppState, ref: str, start: float, end: float | None) -> tuple[Motion, float]:
-    """A span of a motion, and the second of its first frame; of a clip only the stored pieces it touches are read."""
+    """A span of a motion and the time of its first frame; of a clip, only the stored chunks it touches are read."""
     found = state.clip(ref)
     if isinstance(found, Upload):
         cut, frames = found.source.cut(start, end), len(found.source.motion)
@@ -108,10 +108,11 @@ def _cut(state: AppState, ref: str, start: float, end: float | None) -> tuple[Mo
     return cut, min(round(start * cut.fps), frames - 1) / cut.fps
 
 
-def _uploaded(upload: Upload) -> dict[str, object]:
+def _upload_document(upload: Upload) -> dict[str, Any]:
     motion, path = upload.source.motion, upload.source.path
     return {
         "clip": upload.key,
+        "root": None,
         "path": path,
         "name": PurePosixPath(path).stem,
         "duration": round(motion.duration, 3),

@@ -1,23 +1,31 @@
-"""Questions: search, moments, the curve over a take, describe, similar."""
+"""Routes of queries: search, moments, the similarity curve, describe, similar."""
 
 from __future__ import annotations
 
-import json
-from typing import Annotated, Any, cast
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 
+from search.hits import Hit
 from search.moments.one_take import curves, describe_motion, moments_in
 from search.query.question import Question
 from search.server import response_models
 from search.server.app_state import AppState
 from search.server.exception_handlers import ANY, NO_CLIP, UPLOAD, ok
-from search.server.parameters import ClipRef, Count, FileName, Filters, NearOffset, Offset, Sentence, Sentences, Span
-from search.server.response_models import encoded
+from search.server.parameters import (
+    ClipParam,
+    CountParam,
+    FileName,
+    FilterParams,
+    OffsetParam,
+    Sentence,
+    Sentences,
+    ShortOffsetParam,
+    SpanParams,
+)
+from search.server.responses import bytes_response, to_json
 from search.server.snapshot_library import SearchRequest
 from search.source import MotionSource
-
-Given = dict[str, Any]
 
 _BODY: dict[str, Any] = {
     "requestBody": {
@@ -25,142 +33,154 @@ _BODY: dict[str, Any] = {
         "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
     }
 }
+_Steps = Annotated[list[Sentence], Query(max_length=8)]
 
 
 def routes(state: AppState) -> APIRouter:
-    """The routes that answer questions."""
-    router = APIRouter(prefix="/api", tags=["asking"], default_response_class=Response, responses=ANY)
+    """The routes of queries."""
+    router = APIRouter(prefix="/api", tags=["queries"], default_response_class=Response, responses=ANY)
     library = state.library
 
     @router.get("/search", responses=ok(response_models.SearchResponse))
-    async def search(q: Sentence, given: Filters, k: Count = 10, offset: Offset = 0) -> Response:
-        """The clips that fit a sentence best, each with the span that does."""
-        question, generation = SearchRequest(q, offset + k, tuple(given.items())), library.snapshot.generation
-        document = library.standing.get((question, offset))
-        if document is None:
-            hits = await state.search(question)
-            document = _written({"query": q, "hits": response_models.hits(hits[offset:])})
-            library.standing.put((question, offset), document, library.grounds(question, hits), generation)
-        return encoded(document)
+    async def search(q: Sentence, given: FilterParams, k: CountParam = 10, offset: OffsetParam = 0) -> Response:
+        """The clips that match a sentence best, each with its best span."""
+        key, generation = (q, k, offset, tuple(given.items())), library.snapshot.generation
+        response = library.answer_cache.get(key)
+        if response is None:
+            Question.of(q, split_steps=False)
+            request = SearchRequest(q, await state.encode(q), offset + k, given)
+            hits = await state.search_batches.submit(request)
+            response = to_json({"query": q, "hits": _documents(hits[offset:])})
+            library.answer_cache.put(key, response, library.stale_criterion(request, hits), generation)
+        return bytes_response(response)
 
     @router.get("/moments", responses=ok(response_models.MomentsResponse) | NO_CLIP)
     async def moments(
         request: Request,
-        given: Filters,
+        given: FilterParams,
         q: Sentence | None = None,
-        then: Annotated[list[Sentence], Query(max_length=8)] = [],  # noqa: B006
+        then: _Steps = [],  # noqa: B006
         meanwhile: Annotated[list[Sentence], Query(max_length=8, alias="while")] = [],  # noqa: B006
         split: bool = True,
-        clip: ClipRef | None = None,
-        k: Count = 10,
-        offset: NearOffset = 0,
+        clip: ClipParam | None = None,
+        k: CountParam = 10,
+        offset: ShortOffsetParam = 0,
     ) -> Response:
-        """Where it happens: in one take, with the similarity over time, or anywhere in the library."""
+        """The spans that match: in one clip, with the similarity over time, or anywhere in the library."""
         question = Question.of(q, then, meanwhile, split_steps=split)
 
         def in_library() -> bytes:
-            found = library.answer(question, k=offset + k, **given)[offset:]
-            return _written(_moments(question, response_models.hits(found)))
+            hits = library.answer(question, k=offset + k, **given)[offset:]
+            return to_json(_moments(question, _documents(hits)))
 
-        def in_clip() -> bytes:
-            assert clip is not None
-            source = state.source(clip)
-            found = response_models.hits(moments_in(library.bundle, source, question, offset + k)[offset:], clip)
-            return _written(_moments(question, found) | {"curve": _curve(state, source, question)})
+        def in_clip(ref: str) -> bytes:
+            source = state.source(ref)
+            hits = moments_in(library.bundle, source, question, offset + k)[offset:]
+            return to_json(_moments(question, _documents(hits, ref)) | {"curve": _curve(state, source, question)})
 
-        return encoded(await state.remembered(_asked(request), in_library if clip is None else in_clip))
+        make = in_library if clip is None else lambda: in_clip(clip)
+        return bytes_response(await state.cached(_key(request), make))
 
     @router.get("/curve", responses=ok(response_models.CurveResponse) | NO_CLIP)
-    async def curve(request: Request, clip: ClipRef, q: Sentences) -> Response:
-        """Similarity over time of one take to sentences."""
-        question = _several(q)
+    async def curve(request: Request, clip: ClipParam, q: Sentences) -> Response:
+        """The similarity of one clip to sentences over time."""
+        question = _independent(q)
 
         def make() -> bytes:
             source = state.source(clip)
             named = {"clip": _ref(source, clip), "path": source.path, "duration": round(source.duration, 3)}
-            return _written(named | _curve(state, source, question))
+            return to_json(named | _curve(state, source, question))
 
-        return encoded(await state.remembered(_asked(request), make))
+        return bytes_response(await state.cached(_key(request), make))
 
     def described(source: MotionSource, ref: str, span: tuple[float | None, float | None], k: int) -> bytes:
         texts, _, vectors = library.caption_vectors()
         found = describe_motion(library.bundle, source.cut(*span), k, texts, vectors)
         sentences = [{"text": text, "score": round(score, 4)} for text, score in found]
-        return _written({"path": source.path, "sentences": sentences, "clip": _ref(source, ref)})
+        return to_json({"path": source.path, "sentences": sentences, "clip": _ref(source, ref)})
 
     @router.get("/describe", responses=ok(response_models.DescribeResponse) | NO_CLIP)
-    async def describe(request: Request, clip: ClipRef, span: Span, k: Count = 5) -> Response:
-        """The sentences that fit a clip, or a span of it, best."""
-        return encoded(await state.remembered(_asked(request), lambda: described(state.source(clip), clip, span, k)))
+    async def describe(request: Request, clip: ClipParam, span: SpanParams, k: CountParam = 5) -> Response:
+        """The sentences that match a clip, or a span of it, best."""
+        return bytes_response(await state.cached(_key(request), lambda: described(state.source(clip), clip, span, k)))
 
     @router.post("/describe", openapi_extra=_BODY, responses=ok(response_models.DescribeResponse) | UPLOAD)
-    async def describe_upload(request: Request, name: FileName, span: Span, k: Count = 5) -> Response:
-        """The sentences that fit an uploaded motion best."""
+    async def describe_upload(request: Request, name: FileName, span: SpanParams, k: CountParam = 5) -> Response:
+        """The sentences that match an uploaded motion best."""
         upload = await state.uploads.receive(request, name)
-        return encoded(await state.at_length(lambda: described(upload.source, upload.key, span, k)))
+        return bytes_response(await state.run_slow(lambda: described(upload.source, upload.key, span, k)))
 
     def alike(
         source: MotionSource,
         ref: str,
         span: tuple[float | None, float | None],
         moments: bool,
-        part: slice,
-        given: Given,
+        page: slice,
+        given: dict[str, Any],
     ) -> bytes:
-        found = library.similar(cast(Any, source), part.stop, *span, moments=moments, **given)[part]
-        return _written({"query": source.path, "hits": response_models.hits(found), "clip": _ref(source, ref)})
+        hits = library.similar(source, page.stop, *span, moments=moments, **given)[page]
+        return to_json({"query": source.path, "hits": _documents(hits), "clip": _ref(source, ref)})
 
     @router.get("/similar", responses=ok(response_models.SimilarResponse) | NO_CLIP)
     async def similar(
         request: Request,
-        clip: ClipRef,
-        span: Span,
-        given: Filters,
+        clip: ClipParam,
+        span: SpanParams,
+        given: FilterParams,
         moments: bool = False,
-        k: Count = 10,
-        offset: NearOffset = 0,
+        k: CountParam = 10,
+        offset: ShortOffsetParam = 0,
     ) -> Response:
-        """The clips, or with `moments` the spans, that move like a clip or a span of it."""
-        part = slice(offset, offset + k)
+        """The clips, or with `moments` the spans, most similar to a clip or a span of it."""
+        page = slice(offset, offset + k)
 
         def make() -> bytes:
-            return alike(state.source(clip), clip, span, moments, part, given)
+            return alike(state.source(clip), clip, span, moments, page, given)
 
-        return encoded(await state.remembered(_asked(request), make))
+        return bytes_response(await state.cached(_key(request), make))
 
     @router.post("/similar", openapi_extra=_BODY, responses=ok(response_models.SimilarResponse) | UPLOAD)
     async def similar_upload(
         request: Request,
         name: FileName,
-        span: Span,
-        given: Filters,
+        span: SpanParams,
+        given: FilterParams,
         moments: bool = False,
-        k: Count = 10,
-        offset: NearOffset = 0,
+        k: CountParam = 10,
+        offset: ShortOffsetParam = 0,
     ) -> Response:
-        """The clips, or with `moments` the spans, that move like an uploaded motion."""
+        """The clips, or with `moments` the spans, most similar to an uploaded motion."""
         upload = await state.uploads.receive(request, name)
-        part = slice(offset, offset + k)
-        return encoded(await state.at_length(lambda: alike(upload.source, upload.key, span, moments, part, given)))
+        page = slice(offset, offset + k)
+        return bytes_response(
+            await state.run_slow(lambda: alike(upload.source, upload.key, span, moments, page, given))
+        )
 
     return router
 
 
-def _asked(request: Request) -> tuple[str, bytes]:
-    """What tells one question from another."""
+def _key(request: Request) -> tuple[str, bytes]:
+    """The cache key of a request."""
     return request.url.path, request.scope["query_string"]
 
 
-def _written(content: Any) -> bytes:
-    return json.dumps(content, allow_nan=False, separators=(",", ":")).encode()
+def _documents(hits: list[Hit], upload: str | None = None) -> list[dict[str, Any]]:
+    """Hits as JSON content; `upload` is the key of the upload they are in."""
+    return [hit.document() | {"clip": hit.clip_id if hit.clip_id >= 0 else upload} for hit in hits]
 
 
 def _ref(source: MotionSource, ref: str) -> int | str:
     return source.clip_id if source.clip_id >= 0 else ref
 
 
-def _several(sentences: list[str]) -> Question:
-    """Sentences that are each asked for themselves."""
+def _independent(sentences: list[str]) -> Question:
+    """Sentences that are compared each on its own.
+
+    Raises
+    ------
+    QueryError
+        If one of them is empty.
+    """
     for sentence in sentences:
         Question.of(sentence, split_steps=False)
     return Question(tuple(dict.fromkeys(sentences)))

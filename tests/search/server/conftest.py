@@ -41,12 +41,13 @@ def served(indexed: Path, bundle: Bundle, tmp_path: Path) -> Iterator[Callable[.
     """Makes further servers, each of a copy of the indexed takes in `tmp_path / "takes"`."""
     with ExitStack() as stack:
 
-        def make(**options: Any) -> TestClient:
+        def make(*, raise_server_exceptions: bool = True, **options: Any) -> TestClient:
             folder = tmp_path / "takes"
             if not folder.exists():
                 shutil.copytree(indexed, folder)
             app = create_app(SnapshotLibrary.open(folder, bundle=bundle), **options)
-            return stack.enter_context(TestClient(app, base_url="http://127.0.0.1:8420"))
+            client = TestClient(app, base_url="http://127.0.0.1:8420", raise_server_exceptions=raise_server_exceptions)
+            return stack.enter_context(client)
 
         yield make
 

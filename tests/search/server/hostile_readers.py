@@ -1,4 +1,4 @@
-"""Readers whose file has turned on them."""
+"""Readers of files that hang, crash or exhaust memory."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ import os
 import time
 
 from encoders.motion import Motion
-from search.server.sandboxed_reader import _limit
+from search.server.sandboxed_reader import limit_resources
 
 
 def hangs(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tuple[Motion, str]:
-    """Never comes back."""
+    """Never returns."""
     time.sleep(60)
     raise AssertionError
 
 
 def crashes(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tuple[Motion, str]:
-    """Ends at once."""
+    """Aborts the process."""
     os.abort()
 
 
 def eats(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tuple[Motion, str]:
-    """Takes all the memory it can get."""
-    _limit()
+    """Allocates more memory than the limit."""
+    limit_resources()
     bytearray(1 << 40)
     raise AssertionError

@@ -1,4 +1,4 @@
-"""Answers outlive growth that cannot change them, and no other."""
+"""The answer cache: growth invalidates stale answers, and no others."""
 
 from __future__ import annotations
 
@@ -11,19 +11,25 @@ from starlette.testclient import TestClient
 
 from encoders.bundle.bundle import Bundle
 from indexer.ingest import indexing
+from search.hits import Hit
 from search.library import Library
-from search.server import response_models
 from search.server.answer_cache import AnswerCache, StaleCriterion
 from search.server.app import create_app
 from search.server.snapshot_library import SnapshotLibrary
 from tests.search.conftest import made_motion
 
+
+def documents(hits: list[Hit]) -> list[dict[str, object]]:
+    """Hits as the server writes them."""
+    return [hit.document() | {"clip": hit.clip_id} for hit in hits]
+
+
 NONE = np.zeros((0, 2), np.float32)
 EAST, NORTH = np.array([1, 0], np.float32), np.array([0, 1], np.float32)
 
 
-def held() -> AnswerCache:
-    """Two answers of generation 1: about what lies east, and about what lies north."""
+def two_answers() -> AnswerCache:
+    """Two answers of generation 1, to a query east and to one north."""
     answers = AnswerCache(1)
     answers.put("east", b"e", StaleCriterion(EAST, 0.6), 1)
     answers.put("north", b"n", StaleCriterion(NORTH, 0.6), 1)
@@ -31,27 +37,27 @@ def held() -> AnswerCache:
 
 
 @pytest.mark.parametrize(
-    ("added", "standing"),
+    ("added", "valid"),
     [([], "en"), ([[0.5, 0.5]], "en"), ([[0.6, 0.1]], "n"), ([[0.1, 0.2], [0.0, 1.0]], "e"), ([[1, 0], [0, 1]], "")],
 )
-def test_what_scores_as_much_as_the_last_hit_shakes_an_answer(added: list[list[float]], standing: str) -> None:
-    answers = held()
+def test_an_added_row_that_scores_as_much_as_the_last_hit_invalidates(added: list[list[float]], valid: str) -> None:
+    answers = two_answers()
     answers.grow(2, np.array(added, np.float32).reshape(-1, 2))
     assert [answers.get("east"), answers.get("north")] == [
-        b"e" if "e" in standing else None,
-        b"n" if "n" in standing else None,
+        b"e" if "e" in valid else None,
+        b"n" if "n" in valid else None,
     ]
 
 
-def test_an_answer_found_before_a_growth_comes_too_late_after_it() -> None:
-    answers = held()
+def test_an_answer_of_an_older_generation_is_not_cached() -> None:
+    answers = two_answers()
     answers.grow(2, NONE)
     answers.put("late", b"l", StaleCriterion(EAST, 0.0), 1)
     assert answers.get("late") is None
     assert len(answers) == 2
 
 
-def test_the_least_used_go_first() -> None:
+def test_the_least_recently_used_are_evicted() -> None:
     answers = AnswerCache(1, size=2)
     for key in ("a", "b"):
         answers.put(key, b"", StaleCriterion(EAST, 0.0), 1)
@@ -60,20 +66,20 @@ def test_the_least_used_go_first() -> None:
     assert [key for key in "abc" if answers.get(key) is not None] == ["a", "c"]
 
 
-def test_what_stands_is_what_a_fresh_search_finds(indexed: Path, bundle: Bundle, tmp_path: Path) -> None:
+def test_cached_answers_are_those_of_a_fresh_search(indexed: Path, bundle: Bundle, tmp_path: Path) -> None:
     folder = tmp_path / "takes"
     shutil.copytree(indexed, folder)
     library = SnapshotLibrary.open(folder, bundle=bundle)
     library.start = lambda: None  # type: ignore[method-assign]  # refreshed by hand
     questions = [f"{subject} {verb}" for subject in ("", "a person", "someone") for verb in ("walks", "jumps", "sits")]
-    stood = []
+    valid = []
     with TestClient(create_app(library), base_url="http://127.0.0.1:8420") as client:
 
         def answers() -> dict[str, list[dict[str, object]]]:
             return {q: client.get("/api/search", params={"q": q, "k": 2}).json()["hits"] for q in questions}
 
         before = answers()
-        # Captions of clips that are still to come shake nothing.
+        # Captions of clips that are not there yet invalidate nothing.
         rows = "".join(f"new {seed}.npy\tsomeone moves\n" for seed in range(5))
         (folder / "captions.tsv").write_text(f"path\ttext\n{rows}", encoding="utf-8")
         for seed in range(5):
@@ -84,14 +90,14 @@ def test_what_stands_is_what_a_fresh_search_finds(indexed: Path, bundle: Bundle,
                 (folder / "take 1.txt").write_text("a person hops\n", encoding="utf-8")
             indexing.index(folder, bundle=bundle, jobs=1)
             assert library.refresh()
-            stood.append(len(library.standing))
+            valid.append(len(library.answer_cache))
             after = answers()
             with Library.open(folder, bundle=bundle) as fresh:
-                assert after == {q: response_models.hits(fresh.search(q, 2)) for q in questions}
+                assert after == {q: documents(fresh.search(q, 2)) for q in questions}
     assert before != after
-    assert max(stood) > 0
-    assert stood[3] == 0  # what has gone may have kept another clip out
-    assert stood[-1] == 0  # what is shown of a clip that is not new has changed
+    assert max(valid) > 0
+    assert valid[3] == 0  # the removed clip may have displaced another
+    assert valid[-1] == 0  # a caption of an older clip has changed
 
 
 @pytest.mark.parametrize(
@@ -102,7 +108,7 @@ def test_what_stands_is_what_a_fresh_search_finds(indexed: Path, bundle: Bundle,
         ["take 0.npy\tsomeone turns", "take 2.npy\tsomeone bows"],
     ],
 )
-def test_captions_that_change_places_are_seen(indexed: Path, bundle: Bundle, tmp_path: Path, later: list[str]) -> None:
+def test_swapped_captions_invalidate(indexed: Path, bundle: Bundle, tmp_path: Path, later: list[str]) -> None:
     folder = tmp_path / "takes"
     shutil.copytree(indexed, folder)
 
@@ -117,6 +123,6 @@ def test_captions_that_change_places_are_seen(indexed: Path, bundle: Bundle, tmp
         for _ in range(2):
             hits = client.get("/api/search", params={"q": "walks"}).json()["hits"]
             with Library.open(folder, bundle=bundle) as fresh:
-                assert hits == response_models.hits(fresh.search("walks"))
+                assert hits == documents(fresh.search("walks"))
             say(later)
             assert library.refresh()

@@ -1,4 +1,4 @@
-"""Batching: company is taken where there is some, and never waited for."""
+"""Micro-batching: queued requests are processed together, and no request waits for others."""
 
 from __future__ import annotations
 
@@ -10,10 +10,9 @@ import pytest
 
 from search.server.cache import Cache
 from search.server.microbatching import MicroBatcher, ServerBusy
-from search.server.snapshot_library import SearchRequest, SnapshotLibrary
 
 
-def test_what_comes_while_a_batch_is_answered_is_the_next_batch():
+def test_items_queued_while_a_batch_is_processed_are_the_next_batch():
     begun, go_on = threading.Event(), threading.Event()
     batches: list[list[int]] = []
 
@@ -26,9 +25,9 @@ def test_what_comes_while_a_batch_is_answered_is_the_next_batch():
 
     async def asked() -> list[int]:
         batcher: MicroBatcher[int, int] = MicroBatcher(answer)
-        first = asyncio.ensure_future(batcher.ask(1))
+        first = asyncio.ensure_future(batcher.submit(1))
         await asyncio.to_thread(begun.wait, 10)
-        rest = [asyncio.ensure_future(batcher.ask(item)) for item in (2, 3, 4)]
+        rest = [asyncio.ensure_future(batcher.submit(item)) for item in (2, 3, 4)]
         await asyncio.sleep(0)
         go_on.set()
         answers = await asyncio.gather(first, *rest)
@@ -40,35 +39,35 @@ def test_what_comes_while_a_batch_is_answered_is_the_next_batch():
     assert batches == [[1], [2, 3, 4]]
 
 
-def test_one_answer_may_be_an_error_and_the_others_not():
+def test_one_result_may_be_an_exception_and_the_others_not():
     def answer(items: Sequence[int]) -> list[int | Exception]:
         return [ValueError("odd") if item % 2 else item for item in items]
 
     async def asked() -> list[object]:
         batcher: MicroBatcher[int, int] = MicroBatcher(answer)
-        answers = await asyncio.gather(*(batcher.ask(item) for item in range(4)), return_exceptions=True)
+        answers = await asyncio.gather(*(batcher.submit(item) for item in range(4)), return_exceptions=True)
         batcher.close()
         return [str(answer) for answer in answers]
 
     assert asyncio.run(asked()) == ["0", "odd", "2", "odd"]
 
 
-def test_a_batch_that_fails_fails_all_and_the_next_is_answered():
+def test_a_batch_that_raises_fails_all_its_items_and_the_next_is_processed():
     def answer(items: Sequence[int]) -> list[int]:
         return [1 // item for item in items]
 
     async def asked() -> int:
         batcher: MicroBatcher[int, int] = MicroBatcher(answer)
         with pytest.raises(ZeroDivisionError):
-            await batcher.ask(0)
-        found = await batcher.ask(1)
+            await batcher.submit(0)
+        found = await batcher.submit(1)
         batcher.close()
         return found
 
     assert asyncio.run(asked()) == 1
 
 
-def test_too_many_that_wait_are_refused():
+def test_a_full_queue_rejects():
     hold = threading.Event()
 
     def answer(items: Sequence[int]) -> list[int]:
@@ -76,8 +75,8 @@ def test_too_many_that_wait_are_refused():
         return list(items)
 
     async def asked() -> None:
-        batcher: MicroBatcher[int, int] = MicroBatcher(answer, most_waiting=2)
-        asking = [asyncio.ensure_future(batcher.ask(item)) for item in range(40)]
+        batcher: MicroBatcher[int, int] = MicroBatcher(answer, max_queue=2)
+        asking = [asyncio.ensure_future(batcher.submit(item)) for item in range(40)]
         await asyncio.sleep(0.2)
         refused = [task for task in asking if task.done() and isinstance(task.exception(), ServerBusy)]
         hold.set()
@@ -86,19 +85,6 @@ def test_too_many_that_wait_are_refused():
         assert len(refused) >= 36
 
     asyncio.run(asked())
-
-
-def test_a_batch_of_searches_gives_what_each_alone_gives(indexed, bundle):
-    asked = [
-        SearchRequest("a person walks", 3),
-        SearchRequest("waves", 2, (("min_duration", 5.0),)),
-        SearchRequest(" , ", 3),
-    ]
-    with SnapshotLibrary.open(indexed, bundle=bundle) as library:
-        walks, waves, nothing = library.search_all(asked)
-        assert walks == library.search("a person walks", 3)
-        assert waves == library.search("waves", 2, min_duration=5.0)
-        assert "empty" in str(nothing)
 
 
 def test_the_cache_forgets_what_was_used_least_lately():

@@ -12,7 +12,7 @@ import pytest
 from encoders.skeleton import JOINTS
 from indexer.formats.table import read_take
 from indexer.store.stored_library import StoredLibrary
-from search.server import joints_binary
+from search.export import joints_binary
 
 BVH, LONG, CAPTIONED = "deep er/bücken.bvh", "take 3.npy", "take 1.npy"
 
@@ -152,8 +152,10 @@ def test_motions_page_by_page(ask):
     assert ask("/api/motions", offset=99)["motions"] == []
 
 
-def test_a_motion_with_its_captions(ask, number):
+def test_a_motion_with_its_captions(ask, number, indexed):
     motion = ask(f"/api/motions/{number(LONG)}")
+    assert ask(f"/api/motions/%23{number(LONG)}") == motion, "a number may be written as on the command line: #4"
+    assert motion["root"] == indexed.name
     assert (motion["path"], motion["name"], motion["format"]) == (LONG, "take 3", "npy")
     assert (motion["duration"], motion["fps"], motion["frames"]) == (20.0, 20.0, 400)
     assert motion["captions"] == [
@@ -216,8 +218,11 @@ def test_export_as_arrays(client, number):
 def test_stats_are_those_of_status(ask, run, indexed):
     stats = ask("/api/stats")
     assert stats.pop("version")
-    said = run("status", "--library", indexed, "--json").document
-    assert {**stats, "bytes": 0} == {**said, "bytes": 0}
+    status = run("status", "--library", indexed, "--json").document
+    assert status.pop("folder") == str(indexed / ".motionseek")
+    assert status.pop("roots") == [str(indexed)]
+    assert stats.pop("roots") == [indexed.name], "absolute paths stay on the server"
+    assert {**stats, "bytes": 0} == {**status, "bytes": 0}
 
 
 def test_the_map_holds_every_clip(ask, indexed, number):

@@ -1,4 +1,4 @@
-"""A library that changes while it is served."""
+"""A library for concurrent readers: batches of searches, and changes on disk while it is served."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from tests.search.conftest import made_motion
 def _wait_for(client, clips: int) -> None:
     until = time.monotonic() + 10
     while f"motionseek_clips {clips}\n" not in client.get("/metrics").text:
-        assert time.monotonic() < until, "the change was not seen"
+        assert time.monotonic() < until, "the change was not noticed"
         time.sleep(0.05)
 
 
-def test_what_is_indexed_is_found_without_a_restart(served, bundle, tmp_path: Path):
+def test_new_clips_are_found_without_a_restart(served, bundle, tmp_path: Path):
     client, folder = served(), tmp_path / "takes"
     before = client.get("/api/search", params={"q": "walks", "k": 20}).json()["hits"]
     np.save(folder / "new.npy", made_motion(5.0, 77).joints)
@@ -32,7 +32,7 @@ def test_what_is_indexed_is_found_without_a_restart(served, bundle, tmp_path: Pa
     assert client.get("/api/map").json()["generation"] == client.get("/api/stats").json()["generation"]
 
 
-def test_what_is_gone_is_found_no_more(served, bundle, tmp_path: Path):
+def test_removed_clips_are_found_no_more(served, bundle, tmp_path: Path):
     client, folder = served(), tmp_path / "takes"
     assert len(client.get("/api/search", params={"q": "walks"}).json()["hits"]) == 5
     (folder / "take 2.npy").unlink()
@@ -42,14 +42,15 @@ def test_what_is_gone_is_found_no_more(served, bundle, tmp_path: Path):
     assert "take 2.npy" not in [hit["path"] for hit in hits]
 
 
-def test_a_clip_that_goes_between_two_looks_is_left_out(served, bundle, tmp_path: Path):
+def test_a_clip_removed_after_the_snapshot_is_left_out(served, bundle, tmp_path: Path):
     served()
     folder = tmp_path / "takes"
-    with SnapshotLibrary.open(folder, bundle=bundle) as library:  # watches for nothing
+    with SnapshotLibrary.open(folder, bundle=bundle) as library:  # no watching thread
         (folder / "take 2.npy").unlink()
         indexing.index(folder, bundle=bundle, jobs=1)
         assert len(library) == 5
-        (found,) = library.search_all([SearchRequest("walks", 10)])
+        (query,) = library.encode_all(["walks"])
+        (found,) = library.search_all([SearchRequest("walks", query, 10, {})])
     assert not isinstance(found, Exception)
     assert len(found) == 4
 
@@ -81,7 +82,7 @@ def test_a_library_of_another_model_is_no_longer_answered_from(served, bundle, m
     assert "model" in client.get("/api/search", params={"q": "walks"}).json()["error"]
 
 
-def test_what_is_remembered_of_a_clip_outlives_growth_and_not_a_change_of_the_clip(served, bundle, tmp_path: Path):
+def test_cached_clips_survive_growth_and_are_read_again_when_they_change(served, bundle, tmp_path: Path):
     served()
     folder = tmp_path / "takes"
     with SnapshotLibrary.open(folder, bundle=bundle) as library:  # refreshed by hand
@@ -97,3 +98,26 @@ def test_what_is_remembered_of_a_clip_outlives_growth_and_not_a_change_of_the_cl
         assert now[ids["take 1.npy"]] is clips["take 1.npy"]
         assert now[ids["take 2.npy"]].path == "renamed.npy"
         assert library.captions(ids["take 1.npy"]) != said
+
+
+def test_a_batch_of_searches_gives_what_each_alone_gives(indexed, bundle):
+    with SnapshotLibrary.open(indexed, bundle=bundle) as library:
+        walks, waves = library.encode_all(["a person walks", "waves"])
+        requests = [
+            SearchRequest("a person walks", walks, 3, {}),
+            SearchRequest("waves", waves, 2, {"min_duration": 5.0}),
+            SearchRequest("waves", waves, 2, {"min_duration": 5.0, "max_duration": 1.0}),
+        ]
+        first, second, wrong = library.search_all(requests)
+        assert first == library.search("a person walks", 3)
+        assert second == library.search("waves", 2, min_duration=5.0)
+        assert "no clip can be both" in str(wrong)
+
+
+def test_a_sentence_is_encoded_once(served, bundle, monkeypatch):
+    client, encoded, encode_texts = served(), [], bundle.encode_texts
+    monkeypatch.setattr(bundle, "encode_texts", lambda texts: encoded.extend(texts) or encode_texts(texts))
+    for url in ("/api/search?q=limping+sideways", "/api/search?q=limping+sideways&k=3"):
+        assert client.get(url).status_code == 200
+    assert encoded
+    assert len(encoded) == len(set(encoded))

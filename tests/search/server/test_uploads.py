@@ -1,4 +1,4 @@
-"""UploadStore: read like a file of one's own, under limits that hold against whoever means ill."""
+"""Uploads: read like indexed files, under limits on size, time and memory."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from collections.abc import Iterator
 import anyio
 import numpy as np
 import pytest
+from starlette.exceptions import HTTPException
 from starlette.requests import Request
 
-from search.export import bvh_writer
-from search.server import joints_binary, sandboxed_reader
-from search.server.exception_handlers import Refused
+from search.export import bvh_writer, joints_binary
+from search.server import sandboxed_reader
 from search.server.uploads import UploadLimits, UploadStore
 from tests.search.conftest import made_motion
 
@@ -131,9 +131,9 @@ def test_a_slow_upload_is_given_up():
     uploads = UploadStore(UploadLimits(seconds=0.1))
     slow = iter([(0.04, b"x")] * 1000)
     began = time.monotonic()
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(HTTPException) as refused:
         anyio.run(_received, uploads, slow)
-    assert refused.value.code == 408
+    assert refused.value.status_code == 408
     assert time.monotonic() - began < 2
 
 
@@ -147,9 +147,9 @@ def test_a_broken_off_upload_leaves_its_place_to_others():
         await uploads.receive(Request({"type": "http", "method": "POST", "headers": []}, receive), "x.bvh")
 
     for _ in range(3):
-        with pytest.raises(Refused) as refused:
+        with pytest.raises(HTTPException) as refused:
             anyio.run(broken_off)
-        assert refused.value.code == 400
+        assert refused.value.status_code == 400
 
 
 def test_only_some_uploads_at_once():
@@ -157,9 +157,9 @@ def test_only_some_uploads_at_once():
         uploads, codes = UploadStore(UploadLimits(seconds=0.2, at_once=1)), []
 
         async def one() -> None:
-            with pytest.raises(Refused) as refused:
+            with pytest.raises(HTTPException) as refused:
                 await _received(uploads, iter([(0.5, b"x")]))
-            codes.append(refused.value.code)
+            codes.append(refused.value.status_code)
 
         async with anyio.create_task_group() as group:
             group.start_soon(one)
@@ -200,8 +200,8 @@ def test_nothing_is_left_on_disk(served, dance, tmp_path, monkeypatch):
 
 def test_the_longest_upload_is_two_hours(monkeypatch):
     monkeypatch.setattr("indexer.ingest.worker.read", lambda *_: (made_motion(3.0, 5), "rig"))
-    monkeypatch.setattr(sandboxed_reader, "_limit", lambda: None)
+    monkeypatch.setattr(sandboxed_reader, "limit_resources", lambda: None)
     assert len(sandboxed_reader.read("x.bvh", None, None)[0]) == 60
-    monkeypatch.setattr(sandboxed_reader, "MOST_FRAMES", 59)
+    monkeypatch.setattr(sandboxed_reader, "MAX_FRAMES", 59)
     with pytest.raises(MemoryError):
         sandboxed_reader.read("x.bvh", None, None)

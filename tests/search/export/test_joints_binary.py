@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from encoders.motion import Motion
-from search.server import joints_binary
+from search.export import joints_binary
 
 
 @settings(max_examples=30, deadline=None)
