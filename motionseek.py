@@ -11,6 +11,11 @@ from __future__ import annotations
 
 from os import PathLike
 
+from motionseek_main import hidden_package as _hidden_package
+
+if _hidden := _hidden_package():
+    raise ImportError(_hidden)
+
 from encoders.bundle.bundle import Bundle
 from encoders.errors import (
     BundleError,
