@@ -22,13 +22,13 @@ from numpy.typing import NDArray
 
 from encoders.bundle.bundle import Bundle
 from encoders.bundle.windows import LENGTHS as STORED
-from encoders.bundle.windows import WINDOWS_A_LENGTH
+from encoders.bundle.windows import WINDOWS_A_LENGTH, window_starts
 from encoders.motion import Motion
 from indexer.ingest.load import load_motion
 from indexer.vectors.flat import FlatVectors, Found, Rows
 from search.moments.boundaries import CURVE_LENGTHS
 from search.moments.localisation import Moment, localise, score_take
-from search.moments.window_scores import Scored, every, score_windows
+from search.moments.window_scores import Scored, score_windows
 from search.query.encoding import encode_queries
 from search.ranking.clip_scores import best_spans
 from search.spans import iou
@@ -58,7 +58,7 @@ def dense(seconds: float = 600.0, alone: int = 200) -> None:
     features = bundle.features(motion)
     queries = encode_queries(bundle, SENTENCES)
     lengths = sorted({round(length * bundle.fps) for length in (*CURVE_LENGTHS, *STORED)})
-    windows = [(int(start), size) for size in lengths for start in every(len(features), size)]
+    windows = [(int(start), size) for size in lengths for start in window_starts(len(features), size)]
     network = TMR(default_network(features.shape[1], 384)).motion_encoder.eval()
     chosen = windows[:: max(1, len(windows) // alone)]
     began = time.process_time()
@@ -71,7 +71,7 @@ def dense(seconds: float = 600.0, alone: int = 200) -> None:
     print(f"each alone in torch fp32, one thread (timed on {len(chosen)}): {plain:.1f} s")
 
     began = time.process_time()
-    full = [score_windows(bundle, features, bundle.fps, every(len(features), s), s, queries) for s in lengths]
+    full = [score_windows(bundle, features, bundle.fps, window_starts(len(features), s), s, queries) for s in lengths]
     batched = time.process_time() - began
     print(f"all of them in batches: {batched:.2f} s, {plain / batched:.0f} times as fast")
     dense_answers = [_from_everything(bundle, features, queries, i, full) for i in range(len(SENTENCES))]
@@ -143,7 +143,7 @@ def library(hours: float = 100.0, queries: int = 200) -> None:
     """The best moments over 100 hours, once the sentence is encoded."""
     bundle = Bundle.load()
     features = bundle.features(long_take(300))
-    real = bundle.encode_windows(features, every(len(features), 16, 2), 16)
+    real = bundle.encode_windows(features, window_starts(len(features), 16, 2), 16)
     simulated = Simulated(hours, real)
     asked = encode_queries(bundle, SENTENCES)
     times = []

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.windows import Windows, ends_of, grid
+from encoders.bundle.windows import Windows, encode_grids
 from encoders.errors import QueryError, UnknownClip, UnreadableMotion
 from encoders.motion import Motion
 from encoders.protocol import Encoder
@@ -106,16 +106,8 @@ class MotionSource:
         if self.stored:
             return self.stored
         if bundle.fingerprint not in self._windows:
-            features = self.features(bundle)
-            self._windows[bundle.fingerprint] = [
-                Windows(
-                    length,
-                    (first / bundle.fps).astype(np.float32),
-                    ends_of((first / bundle.fps).astype(np.float32), length, self.duration),
-                    bundle.encode_windows(features, first, size).astype(np.float16),
-                )
-                for length, (first, size) in grid(len(features), bundle.fps).items()
-            ]
+            (windows,) = encode_grids(bundle, [self.features(bundle)], [self.duration])
+            self._windows[bundle.fingerprint] = windows
         return self._windows[bundle.fingerprint]
 
     def cut(self, start: float | None = None, end: float | None = None) -> Motion:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import os
 import threading
-from collections import OrderedDict
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from encoders.bundle.batching import length_buckets, pad
 from encoders.bundle.manifest import CALIBRATION, MOTION, TEXT, TOKENIZER, Manifest, read_manifest
+from encoders.bundle.windows import window_starts
 from encoders.errors import BundleError
 from encoders.features.registry import FEATURE_KINDS
 from encoders.motion import Motion
@@ -30,8 +30,8 @@ DEFAULT = Path(__file__).parent / "default"
 #: Frames and tokens a batch holds: enough for full matrix products, little enough to stay in the cores' caches.
 _FRAMES_A_BATCH = 512
 _TOKENS_A_BATCH = 512
-#: A vocabulary to describe with, and what was asked lately in all its wordings: 4 MB.
-_SENTENCES_KEPT = 4096
+#: A vocabulary to describe with, and recent questions with their paraphrases: 4 MB.
+_SENTENCES_CACHED = 4096
 
 
 class Bundle:
@@ -63,7 +63,8 @@ class Bundle:
         self._threads = threads
         self._lock = threading.RLock()
         self._sessions: dict[str, InferenceSession] = {}
-        self._sentences: OrderedDict[str, Array] = OrderedDict()
+        # Sentence -> a list that holds its vector once it is encoded: new sentences are encoded in batches.
+        self._cached_latent = lru_cache(_SENTENCES_CACHED)(_no_latent)
 
     @classmethod
     def load(cls, folder: str | Path | None = None, *, threads: int | None = None) -> Bundle:
@@ -100,12 +101,18 @@ class Bundle:
         return FEATURE_KINDS[self.feature_kind].compute(motion)
 
     def encode_features(self, features: Sequence[Array]) -> Array:
-        """Unit vectors (N, D) of N feature sequences (T', F) of any lengths, each encoded as a whole."""
+        """Unit vectors (N, D) of N feature sequences (T', F); a longer one than the model reads as a whole is the mean
+        of its half-overlapping windows."""
         for sequence in features:
             self._check(sequence)
         latents = np.empty((len(features), self.latent_size), np.float32)
-        for batch in length_buckets([len(sequence) for sequence in features], _FRAMES_A_BATCH):
-            latents[batch] = self._encode(*pad([features[i] for i in batch]))
+        whole = [i for i, sequence in enumerate(features) if len(sequence) <= self.max_frames]
+        for batch in length_buckets([len(features[i]) for i in whole], _FRAMES_A_BATCH):
+            rows = [whole[i] for i in batch]
+            latents[rows] = self._encode(*pad([features[i] for i in rows]))
+        for i in sorted(set(range(len(features))) - set(whole)):
+            starts = window_starts(len(features[i]), self.max_frames, self.max_frames // 2)
+            latents[i] = _normalised(self.encode_windows(features[i], starts, self.max_frames).mean(axis=0))
         return latents
 
     def encode_windows(self, features: Array, starts: NDArray[np.integer], length: int) -> Array:
@@ -123,30 +130,16 @@ class Bundle:
         return latents
 
     def encode_motions(self, motions: Sequence[Motion]) -> Array:
-        """Unit vectors (N, D); a motion too long for the model is the mean of its half-overlapping windows."""
-        features = [self.features(motion) for motion in motions]
-        fits = [i for i, sequence in enumerate(features) if len(sequence) <= self.max_frames]
-        latents = np.empty((len(features), self.latent_size), np.float32)
-        latents[fits] = self.encode_features([features[i] for i in fits])
-        for i in sorted(set(range(len(features))) - set(fits)):
-            starts = half_overlapping(len(features[i]), self.max_frames)
-            mean = self.encode_windows(features[i], starts, self.max_frames).mean(axis=0, keepdims=True)
-            latents[i] = _unit(mean)[0]
-        return latents
+        """Unit vectors (N, D), see `encode_features`."""
+        return self.encode_features([self.features(motion) for motion in motions])
 
     def encode_texts(self, sentences: Sequence[str]) -> Array:
-        """Unit vectors (N, D) of N sentences; those asked lately are remembered."""
-        with self._lock:
-            known = {sentence: self._sentences.get(sentence) for sentence in sentences}
-        new = [sentence for sentence, latent in known.items() if latent is None]
-        known.update(zip(new, self._encode_new_texts(new), strict=True))
-        with self._lock:
-            for sentence in sentences:
-                self._sentences[sentence] = known[sentence]  # type: ignore[assignment]
-                self._sentences.move_to_end(sentence)
-            while len(self._sentences) > _SENTENCES_KEPT:
-                self._sentences.popitem(last=False)
-        return np.array([known[sentence] for sentence in sentences], np.float32).reshape(-1, self.latent_size)
+        """Unit vectors (N, D) of N sentences; those of the last few thousand are cached."""
+        cached = {sentence: self._cached_latent(sentence) for sentence in sentences}
+        new = [sentence for sentence, latent in cached.items() if not latent]
+        for sentence, latent in zip(new, self._encode_new_texts(new), strict=True):
+            cached[sentence][:] = [latent]
+        return np.array([cached[sentence][0] for sentence in sentences], np.float32).reshape(-1, self.latent_size)
 
     def _encode_new_texts(self, sentences: Sequence[str]) -> Array:
         latents = np.empty((len(sentences), self.latent_size), np.float32)
@@ -156,7 +149,9 @@ class Bundle:
         for batch in length_buckets([len(row) for row in ids], _TOKENS_A_BATCH):
             padded, lengths = pad([ids[i] for i in batch])
             mask = (np.arange(padded.shape[1]) < lengths[:, None]).astype(np.int64)
-            latents[batch] = _unit(self._session(TEXT).run(None, {"input_ids": padded, "attention_mask": mask})[0])
+            latents[batch] = _normalised(
+                self._session(TEXT).run(None, {"input_ids": padded, "attention_mask": mask})[0]
+            )
         return latents
 
     def _check(self, features: Array) -> None:
@@ -166,7 +161,7 @@ class Bundle:
 
     def _encode(self, features: Array, lengths: NDArray[np.int64]) -> Array:
         feed = {"features": np.asarray(features, np.float32), "lengths": lengths}
-        return _unit(self._session(MOTION).run(None, feed)[0])
+        return _normalised(self._session(MOTION).run(None, feed)[0])
 
     def _session(self, name: str) -> InferenceSession:
         with self._lock:
@@ -214,10 +209,9 @@ def open_session(path: Path, threads: int | None = None) -> InferenceSession:
         raise BundleError(f"{path}: onnxruntime cannot load it ({error})") from error
 
 
-def half_overlapping(frames: int, length: int) -> NDArray[np.int64]:
-    """Starts of windows of `length` that cover `frames`, half a length apart; the last ends where the frames end."""
-    last = max(frames - length, 0)
-    return np.append(np.arange(0, last, max(length // 2, 1)), last)
+def _no_latent(sentence: str) -> list[Array]:
+    """What the cache holds of a sentence that has just been asked for."""
+    return []
 
 
 def _fixed(shape: Sequence[int | str]) -> list[int | None]:
@@ -225,5 +219,5 @@ def _fixed(shape: Sequence[int | str]) -> list[int | None]:
     return [size if isinstance(size, int) else None for size in shape]
 
 
-def _unit(vectors: Array) -> Array:
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12), np.float32)
+def _normalised(latents: Array) -> Array:
+    return np.asarray(latents / np.maximum(np.linalg.norm(latents, axis=-1, keepdims=True), 1e-12), np.float32)

@@ -1,11 +1,14 @@
-"""The window grid: which stretches of a clip have a vector of their own."""
+"""Windows: the grid of stretches of a clip that have a vector of their own, and their encoding."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from encoders.protocol import Encoder
 
 #: Seconds; each window starts a quarter of its length after the one before.
 LENGTHS = (1.6, 3.2, 6.4)
@@ -45,21 +48,54 @@ def ends_of(starts: NDArray[np.float32], length: float, duration: float) -> NDAr
     return np.asarray(np.minimum(starts + np.float32(length), duration), np.float32)
 
 
-def first_rows(rows: int, size: int) -> NDArray[np.int64]:
-    """Where windows of `size` feature rows start in a clip of `rows`; the last one is flush with the end."""
-    stride = max(size // WINDOWS_A_LENGTH, 1)
-    starts = np.arange(0, max(rows - size, 0) + 1, stride)
-    return starts if starts[-1] + size >= rows else np.append(starts, rows - size)
+def window_starts(frames: int, length: int, stride: int = 1) -> NDArray[np.int64]:
+    """First frames (N,) of windows of one length, a stride apart over so many frames; the last ends where they end.
+
+    Fewer frames than a window has are one window.
+    """
+    last = max(frames - length, 0)
+    return np.append(np.arange(0, last, max(stride, 1), dtype=np.int64), last)
 
 
-def grid(rows: int, fps: float) -> dict[float, tuple[NDArray[np.int64], int]]:
-    """Window length in seconds -> (first rows, rows a window) for a clip of `rows` feature rows at `fps`.
+def grid(frames: int, fps: float) -> dict[float, tuple[NDArray[np.int64], int]]:
+    """Window length in seconds -> (first frames, frames a window) of a clip of `frames` feature frames at `fps`.
 
     A length longer than the clip has no windows, but the shortest length always has one: the whole clip.
     """
     sizes = {length: max(round(length * fps), 1) for length in LENGTHS}
     return {
-        length: (first_rows(rows, size), min(size, rows))
+        length: (window_starts(frames, size, size // WINDOWS_A_LENGTH), min(size, frames))
         for length, size in sizes.items()
-        if size <= rows or length == LENGTHS[0]
+        if size <= frames or length == LENGTHS[0]
     }
+
+
+def encode_grids(
+    encoder: Encoder, features: Sequence[NDArray[np.float32]], durations: Sequence[float]
+) -> list[list[Windows]]:
+    """The windows of clips with their vectors, of each clip shortest first; all of them are encoded together.
+
+    Parameters
+    ----------
+    features : sequence of float32 arrays (T', F)
+        Of the whole clips.
+    durations : sequence of float
+        Seconds, of each clip.
+    """
+    grids = [grid(len(rows), encoder.fps) for rows in features]
+    pieces = [
+        rows[start : start + size]
+        for rows, lengths in zip(features, grids, strict=True)
+        for starts, size in lengths.values()
+        for start in starts
+    ]
+    counts = [len(starts) for lengths in grids for starts, _ in lengths.values()]
+    vectors = iter(np.split(encoder.encode_features(pieces).astype(np.float16), np.cumsum(counts)[:-1]))
+    encoded = []
+    for lengths, duration in zip(grids, durations, strict=True):
+        windows = []
+        for length, (frames, _) in lengths.items():
+            starts = (frames / encoder.fps).astype(np.float32)
+            windows.append(Windows(length, starts, ends_of(starts, length, duration), next(vectors)))
+        encoded.append(windows)
+    return encoded

@@ -10,10 +10,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from encoders.bundle.windows import window_starts
 from encoders.motion import FPS, Motion
 from encoders.protocol import Encoder
 from search.moments.localisation import Moment
-from search.moments.window_scores import Scored, Vectors, every, join, score_windows
+from search.moments.window_scores import Scored, Vectors, join, score_windows
 
 SIZES = (20, 40, 60)
 
@@ -31,7 +32,7 @@ def slide(encoder: Encoder, motion: Motion, queries: Vectors, size: int) -> Scor
         if phase and len(features) < length:
             break
         fitting = min(length, len(features))
-        found = score_windows(encoder, features, encoder.fps, every(len(features), fitting), fitting, queries)
+        found = score_windows(encoder, features, encoder.fps, window_starts(len(features), fitting), fitting, queries)
         parts.append(Scored(found.starts + phase / FPS, found.ends + phase / FPS, found.scores))
     windows = join(parts)
     order = np.argsort(windows.starts, kind="stable")

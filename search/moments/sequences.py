@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from encoders.bundle.windows import window_starts
 from encoders.protocol import Encoder
 from search.moments.boundaries import best_spans, frame_curve, gains
 from search.moments.localisation import REACH, Moment, Region, fitness, frames_in, stretch
-from search.moments.window_scores import Scored, Vectors, every, join, score_windows
+from search.moments.window_scores import Scored, Vectors, join, score_windows
 from search.query.steps import in_order
 
 #: Lengths in seconds of the windows from which steps are chosen; from one to the next it is a tenth of their length in
@@ -24,7 +25,7 @@ def candidates(encoder: Encoder, features: Vectors, fps: float, queries: Vectors
     frames = len(features)
     sizes = [size for size in (round(seconds * fps) for seconds in _LENGTHS) if size <= frames] or [frames]
     scored = [
-        score_windows(encoder, features, fps, every(frames, size, max(size // 20 * 2, 2)), size, queries)
+        score_windows(encoder, features, fps, window_starts(frames, size, max(size // 20 * 2, 2)), size, queries)
         for size in sizes
     ]
     return join([*scored, *_longer(scored[-1])])

@@ -73,13 +73,6 @@ def score_windows(
     return Scored(starts / fps, (starts + length) / fps, scores)
 
 
-def every(frames: int, length: int, stride: int = 1) -> Frames:
-    """Starts of windows of one length over a take of so many frames, the last flush with its end."""
-    last = max(frames - length, 0)
-    starts = np.arange(0, last + 1, max(stride, 1), dtype=np.int64)
-    return starts if starts[-1] == last else np.append(starts, last)
-
-
 def curve(windows: Scored, times: NDArray[np.float64]) -> Vectors:
     """Similarity over time, (Q, T): that of the window centred at each time, interpolated between the centres.
 

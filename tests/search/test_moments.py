@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from encoders.bundle.windows import window_starts
 from search.moments.localisation import Moment, localise, score_take
-from search.moments.window_scores import Scored, curve, every, score_windows
+from search.moments.window_scores import Scored, curve, score_windows
 from search.spans import iou, suppress
 from tests.search.fakes import FPS, MeanEncoder, query, take
 
@@ -82,13 +83,8 @@ def test_stored_windows_give_the_same_answer_and_spare_their_encoding() -> None:
 
 def test_memory_is_bounded() -> None:
     encoder = MeanEncoder()
-    score_windows(encoder, take(7200), FPS, every(72_000, 16), 16, query(0))
+    score_windows(encoder, take(7200), FPS, window_starts(72_000, 16), 16, query(0))
     assert encoder.most_at_once <= 4096
-
-
-def test_windows_cover_a_take_to_its_end() -> None:
-    assert every(25, 10, 4).tolist() == [0, 4, 8, 12, 15]
-    assert every(3, 10).tolist() == [0]
 
 
 def test_the_curve_interpolates_between_the_centres_of_windows() -> None:
