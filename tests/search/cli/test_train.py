@@ -86,15 +86,6 @@ def test_a_wrong_recipe_is_refused_before_anything_is_made(run: Run, tmp_path: P
     assert not (tmp_path / "run").exists()
 
 
-@pytest.mark.parametrize("alone", ["--real", "--captions"])
-def test_real_takes_and_what_people_wrote_of_them_belong_together(run: Run, tmp_path: Path, alone: str) -> None:
-    (tmp_path / "captions.jsonl").touch()
-    ran = run("model", "card", tmp_path / "x.md", alone, tmp_path / ("" if alone == "--real" else "captions.jsonl"))
-    assert (ran.code, ran.out) == (2, "")
-    assert "given together" in ran.err
-    assert not (tmp_path / "x.md").exists()
-
-
 @pytest.mark.torch
 def test_only_a_run_is_released(run: Run, tmp_path: Path) -> None:
     pytest.importorskip("torch")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from search.evaluate.moment_tables import moment_tables
 from search.evaluate.sequence_questions import sequence_overlap
 from search.evaluate.window_cache import WindowCache
 from tests.search.answers import SENTENCES, KnownAnswers, motion
-from tests.search.conftest import Run, made_motion
 
 
 @pytest.fixture
@@ -147,27 +145,3 @@ def test_tables_are_markdown() -> None:
     assert "| motionseek | 3 | 100.0 |" in first
     assert "window of 20" not in recall
     assert steps.splitlines()[-1].startswith("| three steps in order | 1 | 100.0 |")
-
-
-def test_the_command_prints_a_table_for_each_set(run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    events = [
-        Event(text, (2.0 * i, 2.0 * i + 2), frozenset({text})) for i, text in enumerate(("walks", "sits", "bows"))
-    ]
-    monkeypatch.setattr(
-        "search.evaluate.annotated_takes.synthetic_takes",
-        lambda count: [annotated_take(made_motion(6.0, 0), events)] * count,
-    )
-    np.save(tmp_path / "a.npy", made_motion(6.0, 1).joints)
-    (tmp_path / "manifest.tsv").write_text(
-        "path\ttrial\tkind\tfps_in_file\tfps_true\na.npy\t1\ttake\t20\t\n", encoding="utf-8"
-    )
-    (tmp_path / "timed.json").write_text('{"1": [{"start": 1, "end": 3, "label": "Kick"}]}', encoding="utf-8")
-    arguments = ["evaluate", tmp_path, "--protocol", "moments", "--segments", tmp_path / "timed.json", "--count", 1]
-    lines = run(*arguments).out.splitlines()
-    assert [line for line in lines if line.startswith("###")] == [
-        "### synthetic takes",
-        "### timed segments",
-    ]
-    assert sum(line.startswith("| three steps in order") for line in lines) == 1
-    figures = run(*arguments, "--json").document
-    assert figures["timed segments"]["motionseek"]["questions"] == 1
