@@ -1,1 +1,1 @@
-"""Scenes and captioned real motion become training pairs and long takes with known truth."""
+"""Training pairs and annotated long takes, composed from synthetic scenes and captioned real motion."""

@@ -1,7 +1,7 @@
-"""What people said of real clips, understood where it can be: as facts, and told again in the corpus' own words.
+"""Caption augmentation of real clips: their captions parsed into facts and paraphrased in the words of the corpus.
 
-Made and real clips are to lie together where they show the same. So a real walk is no negative for "somebody strides
-along", which was written for a made one, and is itself described that way, too.
+Real and synthetic clips that show the same must be close in the latent space. So a real walk is no negative for
+"somebody strides along", a caption of a synthetic walk, and gets such captions itself.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from encoders.corpus.composition.synthetic_pairs import caption_and_hard_negativ
 from encoders.corpus.language.parsing import parse
 from encoders.corpus.scene import ActionStep, Scene
 
-_MANNER = re.compile(r" (?:with|in an?|at an?|as if|as though|towards?|across|down)\b")
-#: What shows that words say more than how somebody acts: further clauses, ways to go, limbs that act.
-_ACTS = re.compile(
+_MANNER_PHRASE = re.compile(r" (?:with|in an?|at an?|as if|as though|towards?|across|down)\b")
+#: Words that say more than the manner of an action: further clauses, directions, limbs.
+_CONTENT = re.compile(
     r",|\b(?:and|then|while|before|after|left|right|circ\w+|diag\w+|sides?|lines?|back\w*|curv\w+|square|legs?|foot"
     r"|feet|knees?|hands?|both|turns?)\b"
 )
@@ -29,14 +29,15 @@ _ACTS = re.compile(
 
 @dataclass(frozen=True)
 class AugmentedCaptions:
-    """What is known of a real clip.
+    """The facts of a real clip and paraphrases of its captions.
 
     Attributes
     ----------
-    facts : what its captions say that it shows
-    meanings : for each caption, and then for each of `captions`, the facts it states; of a caption that was not
-        understood itself, the actions that the others name
-    captions, hard_negatives : the same in other words; for each a sentence that looks alike but is false, or empty
+    facts : everything that its captions state
+    meanings : the facts that each original caption and then each of `captions` states; for an original caption that
+        cannot be parsed, the actions that the others name
+    captions : paraphrases
+    hard_negatives : for each paraphrase a similar sentence that is false, or ""
     """
 
     facts: frozenset[str]
@@ -48,35 +49,35 @@ class AugmentedCaptions:
 def augment_captions(
     captions: Sequence[str], rng: Generator, *, scene: Scene | None = None, count: int = 3
 ) -> AugmentedCaptions | None:
-    """What is said of one clip, and `count` more ways to say it; None where no caption is understood.
+    """The facts of one clip's captions and `count` paraphrases; None if no caption can be parsed.
 
-    `scene` is what the captions say where that is known without reading them.
+    `scene` is given where it is known, so that it need not be parsed from the captions.
     """
-    scenes = [understood(caption) for caption in captions]
-    known = [scene] if scene else [read for read in scenes if read is not None]
+    scenes = [scene_of_caption(caption) for caption in captions]
+    known = [scene] if scene else [parsed for parsed in scenes if parsed is not None]
     if not known:
         return None
-    shown = frozenset().union(*(facts(_ahead(scene)) for scene in known))
+    shown = frozenset().union(*(facts(_with_default_direction(scene)) for scene in known))
     actions = frozenset(fact for fact in shown if not set(fact) & set(".<+"))
-    said, stated, false = zip(
+    paraphrases, stated, negatives = zip(
         *(caption_and_hard_negative(known[int(rng.integers(len(known)))], rng) for _ in range(count)), strict=True
     )
-    meanings = [actions if read is None else facts(read) for read in scenes]
-    return AugmentedCaptions(shown, (*meanings, *stated), said, false)
+    meanings = [actions if parsed is None else facts(parsed) for parsed in scenes]
+    return AugmentedCaptions(shown, (*meanings, *stated), paraphrases, negatives)
 
 
 @lru_cache(maxsize=10_000)
-def understood(caption: str) -> Scene | None:
-    """The scene of a caption, else of what comes before a mere manner, as "a person runs" of "... with bent arms"."""
-    manners = [m for m in _MANNER.finditer(caption) if not _ACTS.search(caption, m.start())]
+def scene_of_caption(caption: str) -> Scene | None:
+    """The scene of a caption, if need be without a phrase of manner: "a person runs" of "... with bent arms"."""
+    manners = [m for m in _MANNER_PHRASE.finditer(caption) if not _CONTENT.search(caption, m.start())]
     words = [caption, *(caption[: m.start()] for m in reversed(manners))]
-    if not _ACTS.search(caption):
+    if not _CONTENT.search(caption):
         words += caption.split("/")[:1]
     return next((scene for part in words if (scene := parse(part)) is not None), None)
 
 
-def _ahead(scene: Scene) -> Scene:
-    """The scene, where who goes without a word of direction goes ahead."""
+def _with_default_direction(scene: Scene) -> Scene:
+    """The scene with locomotion of unspecified direction set to forward."""
 
     def going(step: ActionStep) -> ActionStep:
         goes = program_of(step.action).group == "locomotion" and "forward" in program_of(step.action).directions

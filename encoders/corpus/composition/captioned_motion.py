@@ -1,4 +1,4 @@
-"""Captioned real motion as training pairs: cut where its captions say, mirrored, and played faster and slower."""
+"""Captioned real motion as training pairs: cut at caption spans, mirrored, and at several playback speeds."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from numpy.typing import NDArray
 from encoders.features.registry import FeatureKind
 from encoders.motion import Motion
 
-#: How fast real clips are played, and the fewest feature frames that show anything.
+#: Playback speeds, and the fewest feature frames of a clip.
 _SPEEDS, _SHORTEST = (0.85, 1.0, 1.2), 4
 
-_SWAPS = {
+_MIRRORED = {
     "left": "right", "right": "left", "leftward": "rightward", "rightward": "leftward", "leftwards": "rightwards",
     "rightwards": "leftwards", "lefthand": "righthand", "righthand": "lefthand", "clockwise": "counterclockwise",
     "counterclockwise": "clockwise", "counter-clockwise": "clockwise", "anticlockwise": "clockwise",
     "anti-clockwise": "clockwise", "counter clockwise": "clockwise", "anti clockwise": "clockwise",
 }  # fmt: skip
-_SIDE_WORDS = re.compile(r"(?<![\w-])(" + "|".join(sorted(_SWAPS, key=len, reverse=True)) + r")(?=\W|s?\b)", re.I)
-#: A phrase in which "right" is no side.
+_SIDE_WORDS = re.compile(r"(?<![\w-])(" + "|".join(sorted(_MIRRORED, key=len, reverse=True)) + r")(?=\W|s?\b)", re.I)
+#: Phrases in which "right" is no side.
 _NO_SIDE = re.compile(
     r"\bright (away|after|before|now|back|there|where)\b|\b(all|upright|straight) right\b|\bupright\b", re.I
 )
@@ -31,7 +31,7 @@ _NO_SIDE = re.compile(
 
 @dataclass(frozen=True)
 class CaptionedSpan:
-    """What was said of a part of a take: sentences, and start and end in seconds."""
+    """Captions of a span of a take, with its start and end in seconds."""
 
     captions: tuple[str, ...]
     start: float
@@ -40,15 +40,15 @@ class CaptionedSpan:
 
 @dataclass(frozen=True)
 class CaptionedTake:
-    """A take with all that was said about it.
+    """A take with its captions.
 
     Attributes
     ----------
-    path : where it comes from
-    trial : performance; the same in every rig it was recorded in
+    path : the file that it was read from
+    trial : the performance, the same in every rig it was recorded in
     motion : Motion at 20 fps
-    description : its owner's few words
-    spans : what people wrote, with times
+    description : a short description by the data set's authors
+    spans : human captions with times
     """
 
     path: str
@@ -59,13 +59,13 @@ class CaptionedTake:
 
 
 def mirror_words(sentence: str) -> str:
-    """Left and right swapped; words in which "right" is no side stay."""
+    """The sentence with left and right swapped; "right" stays where it is no side ("right away")."""
     kept = [m.span() for m in _NO_SIDE.finditer(sentence)]
 
     def swap(match: re.Match[str]) -> str:
         if any(start <= match.start() < end for start, end in kept):
             return match[0]
-        other = _SWAPS[match[0].lower()]
+        other = _MIRRORED[match[0].lower()]
         return other.capitalize() if match[0][0].isupper() else other
 
     return _SIDE_WORDS.sub(swap, sentence)
@@ -74,16 +74,16 @@ def mirror_words(sentence: str) -> str:
 def real_clips(
     take: CaptionedTake, kind: FeatureKind, *, varied: bool = True, longest: float = 12.0
 ) -> Iterator[tuple[NDArray[np.float32], tuple[str, ...]]]:
-    """Features and sentences of every caption span; a take short enough is a span of its own, with its description.
+    """Features and captions of every caption span; a short take is a further span, captioned by its description.
 
-    Features are computed for the whole take and sliced, as the product does with windows.
+    Features are computed for the whole take and sliced, as for the windows of a library.
 
     Parameters
     ----------
     varied : bool
-        Also mirrored, slower and faster, as training wants it.
+        Also mirrored and at other playback speeds, for training.
     longest : float
-        Seconds a span is cut to.
+        Seconds to which a span is cropped.
     """
     motion, spans = take.motion, list(take.spans)
     if take.description and motion.duration <= longest:

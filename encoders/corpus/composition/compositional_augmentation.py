@@ -1,7 +1,7 @@
-"""New clips out of captioned real ones: two of them joined in a row, or a made gesture on a real walk.
+"""Compositional augmentation: captioned real clips concatenated, or a synthetic gesture overlaid on a real walk.
 
-What is joined is aligned and blended as in TEACH (Athanasiou et al. 2022). What is laid over follows the parts, as in
-SINC (Athanasiou et al. 2023): arms go along with the trunk they are moved to; legs, heading and place stay together.
+Concatenation aligns and blends clips as in TEACH (Athanasiou et al. 2022). Overlays are by body part as in SINC
+(Athanasiou et al. 2023): arms follow the trunk that they are moved to; legs, heading and position stay together.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from encoders.corpus.actions.programs import programs, sample_step
-from encoders.corpus.composition.caption_augmentation import understood
+from encoders.corpus.composition.caption_augmentation import scene_of_caption
 from encoders.corpus.composition.captioned_motion import CaptionedTake, mirror_words
 from encoders.corpus.composition.concatenation import concatenate_clips
 from encoders.corpus.composition.scene_clips import make_clip
@@ -30,23 +30,23 @@ from encoders.skeleton import INDEX
 
 Array = NDArray[np.float32]
 
-_SHORTEST, _LONGEST = 1.0, 7.0  # seconds of a piece
-_WORDS = 14  # of a caption that still can be joined to another
+_SHORTEST, _LONGEST = 1.0, 7.0  # seconds of a segment
+_WORDS = 14  # of a caption that can still be combined with another
 _SPEEDS = (0.85, 1.0, 1.2)
-_THEN = (" then {}", ", then {}", " and then {}", " and {}", ", and {}", " before {ing}", ", after that {}")
-_WHILE = (" while {ing}", ", {ing} at the same time", " and at the same time {}", ", {ing}")
+_SEQUENTIAL = (" then {}", ", then {}", " and then {}", " and {}", ", and {}", " before {ing}", ", after that {}")
+_SIMULTANEOUS = (" while {ing}", ", {ing} at the same time", " and at the same time {}", ", {ing}")
 _ARMS = re.compile(
     r"\b(arms?|hands?|wav\w+|clap\w*|punch\w*|box\w*|throw\w*|point\w*|gestur\w+|carr\w+|hold\w*|elbows?)\b"
 )
-_GOING = 0.5  # metres a second of the hips
-_UNSEEN = 1.25  # a gesture may be longer than the way it is laid over by this factor
+_MIN_SPEED = 0.5  # of a carrier's hips, metres per second
+_MAX_RATIO = 1.25  # of a gesture's length to its carrier's
 _SHOULDERS = [INDEX["left_shoulder"], INDEX["right_shoulder"]]
 _ARM = np.array([[INDEX[f"{side}_{joint}"] for joint in ("shoulder", "elbow", "wrist")] for side in ("left", "right")])
 
 
 @dataclass(frozen=True)
 class CaptionedSegment:
-    """Joints (T, 22, 3) at 20 frames a second, what people said of them, and the scene where that is understood."""
+    """Joints (T, 22, 3) at 20 frames per second, their captions, and the scene if a caption can be parsed."""
 
     joints: Array
     captions: tuple[str, ...]
@@ -54,11 +54,11 @@ class CaptionedSegment:
 
     @classmethod
     def parsed(cls, joints: Array, captions: tuple[str, ...]) -> CaptionedSegment:
-        """A piece with the scene of the first caption that is understood."""
-        return cls(joints, captions, next(filter(None, map(understood, captions)), None))
+        """A segment with the scene of the first caption that can be parsed."""
+        return cls(joints, captions, next(filter(None, map(scene_of_caption, captions)), None))
 
     def varied(self, rng: Generator) -> CaptionedSegment:
-        """The piece played at a random speed, perhaps mirrored, its words too."""
+        """The segment at a random playback speed, mirrored (captions too) with probability one half."""
         motion = Motion(self.joints, FPS * float(rng.choice(_SPEEDS))).resample(FPS)
         if rng.random() < 0.5:
             return replace(self, joints=motion.joints)
@@ -66,13 +66,13 @@ class CaptionedSegment:
 
     @property
     def speed(self) -> float:
-        """How fast the hips travel on average, metres a second."""
+        """Mean horizontal speed of the hips, metres per second."""
         return FPS * float(np.hypot(*np.diff(self.joints[:, 0, [0, 2]], axis=0).T).mean())
 
 
 @dataclass(frozen=True)
 class AugmentedClip:
-    """A new motion, sentences that are true of it, for each perhaps one that is not, and the scene where known."""
+    """A composed motion with its captions, a hard negative for each (or none at all), and its scene if known."""
 
     motion: Motion
     captions: tuple[str, ...]
@@ -81,40 +81,42 @@ class AugmentedClip:
 
 
 def captioned_segments(takes: Iterable[CaptionedTake]) -> Iterator[CaptionedSegment]:
-    """Every captioned part of the takes that is one to seven seconds long and said in few words."""
+    """Every captioned span of the takes that lasts one to seven seconds and has a short caption."""
     for take in takes:
         joints = take.motion.resample(FPS).joints
         for span in take.spans:
             first, last = int(span.start * FPS), int(min(span.end, take.motion.duration) * FPS)
-            said = tuple(c.strip(" .") for c in span.captions if len(c.split()) <= _WORDS and "then" not in c)
-            if said and _SHORTEST <= (last - first) / FPS <= _LONGEST:
-                yield CaptionedSegment.parsed(joints[first:last], said)
+            captions = tuple(c.strip(" .") for c in span.captions if len(c.split()) <= _WORDS and "then" not in c)
+            if captions and _SHORTEST <= (last - first) / FPS <= _LONGEST:
+                yield CaptionedSegment.parsed(joints[first:last], captions)
 
 
 def concatenate_segments(first: CaptionedSegment, second: CaptionedSegment, rng: Generator) -> AugmentedClip:
-    """One after the other; what is not true has the order hard_negatives."""
+    """One segment after the other; the hard negatives swap their order."""
     motion = Motion(concatenate_clips([first.joints, second.joints]), FPS)
-    chances = rng.integers(2**62, size=2)
-    true, false = (
-        tuple(_say(a, b, _THEN, np.random.default_rng(chance)) for chance in chances)
+    seeds = rng.integers(2**62, size=2)
+    captions, negatives = (
+        tuple(_combine_captions(a, b, _SEQUENTIAL, np.random.default_rng(seed)) for seed in seeds)
         for a, b in ((first, second), (second, first))
     )
     scene = Scene((*first.scene.steps, *second.scene.steps)) if first.scene and second.scene else None
-    return AugmentedClip(motion, true, false, scene)
+    return AugmentedClip(motion, captions, negatives, scene)
 
 
 def overlay_arms(carrier: CaptionedSegment, gesture: CaptionedSegment, rng: Generator) -> AugmentedClip:
-    """The gesture's arms on the carrier's body, for as long as both last; nothing can be hard_negatives."""
+    """The gesture's arms on the carrier's body, as long as the shorter of both; without hard negatives."""
     frames = min(len(carrier.joints), len(gesture.joints))
     motion = Motion(replace_arms(carrier.joints[:frames], gesture.joints[:frames]), FPS)
     scene = None
     if carrier.scene and gesture.scene and len(carrier.scene.steps) == len(gesture.scene.steps) == 1:
         scene = Scene(((*carrier.scene.steps[0], *gesture.scene.steps[0]),))
-    return AugmentedClip(motion, tuple(_say(carrier, gesture, _WHILE, rng) for _ in range(2)), (), scene)
+    return AugmentedClip(
+        motion, tuple(_combine_captions(carrier, gesture, _SIMULTANEOUS, rng) for _ in range(2)), (), scene
+    )
 
 
 def replace_arms(body: Array, other: Array) -> Array:
-    """`body` (T, 22, 3) with the arms of `other`, turned as its trunk is and in its own bone lengths."""
+    """`body` (T, 22, 3) with the arms of `other`, rotated with its trunk and scaled to its bone lengths."""
     moved: Array = body.copy()
     turn = _chest(body) @ _chest(other).transpose(0, 2, 1)
     for upper, lower in ((0, 1), (1, 2)):
@@ -137,7 +139,7 @@ def _chest(joints: Array) -> Array:
 
 
 def synthetic_gesture(rng: Generator) -> CaptionedSegment:
-    """A made movement of arms or head alone, and two sentences about it."""
+    """A synthetic gesture of arms or head alone, with two captions."""
     gestures = [p for p in programs().values() if not p.parts & {"legs", "spine"} and entry_of(p.name) is not None]
     scene = complete_scene(Scene(((sample_step(gestures[int(rng.integers(len(gestures)))], rng),),)), rng)
     return CaptionedSegment(
@@ -148,19 +150,19 @@ def synthetic_gesture(rng: Generator) -> CaptionedSegment:
 
 
 def augmented_clips(
-    takes: Iterable[CaptionedTake], count: int, rng: Generator, *, over: float = 0.4
+    takes: Iterable[CaptionedTake], count: int, rng: Generator, *, overlay_share: float = 0.4
 ) -> Iterator[AugmentedClip]:
-    """`count` new motions with their sentences.
+    """`count` composed clips with captions.
 
-    A share of `over` are gestures laid over a way to go that says nothing of arms, the others are joined pairs. None
-    come of takes that have fewer than two captioned pieces.
+    A share of `overlay_share` are gestures overlaid on locomotion whose captions do not mention arms; the others are
+    concatenated pairs. Takes with fewer than two captioned segments yield none.
     """
     found = list(captioned_segments(takes))
-    carriers = [p for p in found if p.speed > _GOING and not _ARMS.search(" ".join(p.captions))]
+    carriers = [p for p in found if p.speed > _MIN_SPEED and not _ARMS.search(" ".join(p.captions))]
     while count > 0 and len(found) > 1:
-        if carriers and rng.random() < over:
+        if carriers and rng.random() < overlay_share:
             carrier, gesture = carriers[int(rng.integers(len(carriers)))].varied(rng), synthetic_gesture(rng)
-            if len(gesture.joints) > _UNSEEN * len(carrier.joints):
+            if len(gesture.joints) > _MAX_RATIO * len(carrier.joints):
                 continue
             yield overlay_arms(carrier, gesture, rng)
         else:
@@ -169,14 +171,16 @@ def augmented_clips(
         count -= 1
 
 
-def _say(first: CaptionedSegment, second: CaptionedSegment, ways: Sequence[str], rng: Generator) -> str:
-    """A sentence about both, the second without its subject where that can be told."""
+def _combine_captions(
+    first: CaptionedSegment, second: CaptionedSegment, templates: Sequence[str], rng: Generator
+) -> str:
+    """A caption of both segments, the second without its subject where one is recognised."""
     head = first.captions[int(rng.integers(len(first.captions)))]
     tail = second.captions[int(rng.integers(len(second.captions)))]
     bare = drop_subject(normalise(tail))
     verb, space, rest = drop_auxiliaries(bare).partition(" ")
     base = lemmas().get(verb)
-    options = [way for way in ways if base or "{ing}" not in way]
-    way = options[int(rng.integers(len(options)))]
+    options = [template for template in templates if base or "{ing}" not in template]
+    template = options[int(rng.integers(len(options)))]
     plain = bare.removeprefix("is ").removeprefix("are ") or tail
-    return head + way.format(plain, ing=f"{gerund(base)}{space}{rest}" if base else plain)
+    return head + template.format(plain, ing=f"{gerund(base)}{space}{rest}" if base else plain)

@@ -1,7 +1,7 @@
-"""Facts: what a scene makes true, so that a sentence is known to be true of a clip it was not written for.
+"""Facts of a scene, and which captions they entail: a caption may describe clips that it was not written for.
 
-A sentence that says "a person walks" is true of every clip in which somebody walks left, slowly or drunk. Such a
-pair is no negative for contrastive training; "walks left" against "walks right" is one.
+"A person walks" describes every clip of somebody walking left, slowly or drunk. Such a pair is a false negative of
+contrastive training; "walks left" with a clip of "walks right" is a true negative.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from encoders.corpus.scene import ActionStep, Scene
 
-#: Who does the first is also doing the second, in the words of people.
+#: Action -> the more general action that people also call it (hypernyms).
 _KINDS_OF = {
     "jog": "run", "sprint": "run", "limp": "walk", "sneak": "walk", "tiptoe": "walk", "march": "walk",
     "stagger": "walk", "crouch walk": "walk", "shuffle": "walk", "drag leg": "walk",
@@ -23,19 +23,19 @@ _KINDS_OF = {
     "get pushed": "stumble", "hop": "jump", "leap": "jump",
     "spin jump": "jump", "jump over": "jump", "hurdle": "jump", "army crawl": "crawl", "pivot": "turn",
 }  # fmt: skip
-#: Kinds that people seldom tell apart from what they are a kind of.
-_HARDLY_TOLD = {"jog"}
-#: Directions that are said of one another: who walks left while looking ahead mostly goes ahead, too.
+#: Actions that people seldom distinguish from the general one.
+_INTERCHANGEABLE = {"jog"}
+#: Directions with which a direction is also described: a step to the left with the gaze ahead mostly goes ahead, too.
 _ALSO_CALLED = {
     "left": ("forward-left",), "right": ("forward-right",), "forward-left": ("left",), "forward-right": ("right",),
     "backward-left": ("backward",), "backward-right": ("backward",),
 }  # fmt: skip
 _AHEAD = "direction=forward"
-_PARTICULARS = tuple(f.name for f in fields(ActionStep) if f.name != "action")
+_ATTRIBUTES = tuple(f.name for f in fields(ActionStep) if f.name != "action")
 
 
 def facts(scene: Scene) -> frozenset[str]:
-    """Everything a scene says: each action, each particular of it, what comes before what, and what happens at once."""
+    """Everything that a scene states: actions, their attributes, their order, and which of them are simultaneous."""
     found: set[str] = set()
     for group in scene.steps:
         for step in group:
@@ -49,58 +49,58 @@ def facts(scene: Scene) -> frozenset[str]:
 
 
 def _names(step: ActionStep) -> tuple[str, ...]:
-    """The action, and what else whoever does it is doing."""
+    """The action and its more general name."""
     if step.action == "run" and step.speed == "fast":
         return ("run", "sprint")
     return (step.action, *filter(None, [_KINDS_OF.get(step.action)]))
 
 
 def _named(action: str, step: ActionStep) -> set[str]:
-    """The action, and each particular of it."""
+    """The facts of an action and of each of its attributes."""
     if step.action == "sprint":
         step = replace(step, speed="fast")
-    told = {(name, value) for name in _PARTICULARS if (value := getattr(step, name))}
-    told |= {("direction", also) for also in _ALSO_CALLED.get(step.direction, ())}
-    return {action} | {f"{action}.{name}={value}" for name, value in told}
+    stated = {(name, value) for name in _ATTRIBUTES if (value := getattr(step, name))}
+    stated |= {("direction", also) for also in _ALSO_CALLED.get(step.direction, ())}
+    return {action} | {f"{action}.{name}={value}" for name, value in stated}
 
 
 class Underspecified:
-    """Which sentences keep quiet about what anybody would tell: that a motion goes aside, takes both hands, is special.
+    """Which captions omit a salient attribute of a motion: a direction but forward, both hands, a more specific action.
 
-    "A person walks" is true of somebody who walks backwards, but said of somebody who does not, and "a person waves" of
-    somebody who waves both hands: what is called plainly is to be found before what is not.
+    "A person walks" is true of walking backwards and "a person waves" of waving both hands, but people would say so.
+    Plain motions are to be ranked above such ones, so these pairs stay negatives.
     """
 
     def __init__(self, vocabulary: Sequence[str]) -> None:
         actions: dict[str, int] = {}
         self._action = np.array([actions.setdefault(f.partition(".")[0], len(actions)) for f in vocabulary], np.int64)
-        self._general = np.array([actions.get(_told_as(fact), -1) for fact in vocabulary], np.int64)
-        particulars = [fact.partition(".")[2] for fact in vocabulary]
-        self._particular = np.array([p not in ("", _AHEAD) for p in particulars], np.bool_)
-        self._way = np.array([p.startswith("direction=") for p in particulars], np.bool_)
-        self._side = np.array([p.startswith("side=") for p in particulars], np.bool_)
-        self._both = np.array([p == "side=both" for p in particulars], np.bool_)
-        self._named = np.array([not p for p in particulars], np.bool_)
+        self._general = np.array([actions.get(_salient_kind_of(fact), -1) for fact in vocabulary], np.int64)
+        attributes = [fact.partition(".")[2] for fact in vocabulary]
+        self._attribute = np.array([p not in ("", _AHEAD) for p in attributes], np.bool_)
+        self._direction = np.array([p.startswith("direction=") for p in attributes], np.bool_)
+        self._side = np.array([p.startswith("side=") for p in attributes], np.bool_)
+        self._both = np.array([p == "side=both" for p in attributes], np.bool_)
+        self._named = np.array([not p for p in attributes], np.bool_)
         self._actions = len(actions)
 
     def __call__(self, meanings: Sequence[Sequence[int]], facts: Sequence[Sequence[int]]) -> NDArray[np.bool_]:
-        """Boolean (meanings, motions); facts are indices into the vocabulary."""
+        """Boolean (meanings, motions); meanings and facts are sets of indices into the vocabulary."""
         named = self._of_actions(meanings, self._action, self._named)
         kind = self._general >= 0
-        plain = named & ~self._of_actions(meanings, self._action, self._particular)
+        plain = named & ~self._of_actions(meanings, self._action, self._attribute)
         plain &= ~self._of_actions(meanings, self._general, kind)
-        no_way = named & ~self._of_actions(meanings, self._action, self._way)
+        no_direction = named & ~self._of_actions(meanings, self._action, self._direction)
         no_side = named & ~self._of_actions(meanings, self._action, self._side)
-        quiet = np.hstack([no_way, no_side, plain])
-        elsewhere = self._of_actions(facts, self._action, self._way & self._particular)
+        omitted = np.hstack([no_direction, no_side, plain])
+        directed = self._of_actions(facts, self._action, self._direction & self._attribute)
         both, special = self._of_actions(facts, self._action, self._both), self._of_actions(facts, self._general, kind)
-        shown = np.hstack([elsewhere, both, special])
-        return np.asarray(quiet.astype(np.float32) @ shown.astype(np.float32).T > 0, np.bool_)
+        shown = np.hstack([directed, both, special])
+        return np.asarray(omitted.astype(np.float32) @ shown.astype(np.float32).T > 0, np.bool_)
 
     def _of_actions(
         self, sets: Sequence[Sequence[int]], action: NDArray[np.int64], which: NDArray[np.bool_]
     ) -> NDArray[np.bool_]:
-        """Boolean (sets, actions): whether a set has a fact out of `which` that belongs to an action."""
+        """Boolean (sets, actions): whether a set has a fact of the mask `which` that belongs to an action."""
         rows = np.repeat(np.arange(len(sets)), [len(members) for members in sets])
         members = np.concatenate([np.asarray(members, np.int64) for members in sets])
         rows, members = rows[which[members]], members[which[members]]
@@ -109,13 +109,13 @@ class Underspecified:
         return table
 
 
-def _told_as(fact: str) -> str:
-    """The action of which this one is a kind that people would name; none for other facts."""
-    return "" if fact in _HARDLY_TOLD else _KINDS_OF.get(fact, "")
+def _salient_kind_of(fact: str) -> str:
+    """The general action of an action that people would name by its own name; "" for other facts."""
+    return "" if fact in _INTERCHANGEABLE else _KINDS_OF.get(fact, "")
 
 
 def _rows(sets: Sequence[Iterable[int]], size: int) -> NDArray[np.float32]:
-    """One row a set, 1 at each of its members."""
+    """Indicator rows (sets, size) of sets of indices."""
     rows = np.zeros((len(sets), size), np.float32)
     for i, members in enumerate(sets):
         rows[i, list(members)] = 1
@@ -125,14 +125,14 @@ def _rows(sets: Sequence[Iterable[int]], size: int) -> NDArray[np.float32]:
 def entailment_of_indices(
     meanings: Sequence[Iterable[int]], facts: Sequence[Iterable[int]], size: int
 ) -> NDArray[np.bool_]:
-    """Whether each meaning (rows) holds in each motion (columns): all its facts are among the motion's."""
+    """Boolean (meanings, motions): all facts of a meaning are among the motion's; False for an empty meaning."""
     rows, columns = _rows(meanings, size), _rows(facts, size)
     missing = rows @ (1 - columns).T
     return np.asarray((missing == 0) & (rows.sum(axis=1) > 0)[:, None], np.bool_)
 
 
 def entailment(meanings: Sequence[Iterable[str]], facts: Sequence[Iterable[str]]) -> NDArray[np.bool_]:
-    """`entailment_of_indices` of facts as they are written: boolean (meanings, motions)."""
+    """`entailment_of_indices` of facts as strings: boolean (meanings, motions)."""
     index: dict[str, int] = {}
     rows, columns = ([[index.setdefault(f, len(index)) for f in members] for members in s] for s in (meanings, facts))
     return entailment_of_indices(rows, columns, len(index))

@@ -1,4 +1,4 @@
-"""Clips from scenes: programs acted out by a random performer, joined, varied as real capture varies, and posed."""
+"""Clips from scenes: a random performer's curves, joined, varied as captured motion is, and posed on a skeleton."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ALL_STYLES = {**STYLES, **HELD_OUT_STYLES}
 
 
 def act(step: ActionStep, individual: Array, rng: Generator, frames: int = 0, stance: Stance | None = None) -> Curves:
-    """Act one step out in a performer's own manner and stance; `frames` is a hint.
+    """Perform one step in a performer's own manner and stance; `frames` is a hint.
 
     Raises
     ------
@@ -38,7 +38,7 @@ def act(step: ActionStep, individual: Array, rng: Generator, frames: int = 0, st
 
 
 def _act_group(group: Sequence[ActionStep], individual: Array, stance: Stance, rng: Generator) -> Curves:
-    """Steps at once: the one that needs the legs (else the first) carries the others."""
+    """Simultaneous steps: the one that needs the legs (else the first) carries the others."""
     if len(group) == 1:
         return act(group[0], individual, rng, 0, stance)
     carrier = max(range(len(group)), key=lambda i: ("legs" in parts_of(group[i]), -i))
@@ -55,8 +55,8 @@ _LYING = ("backward", "backward", "forward", "left", "right")
 _SEATS = ("middle", "middle", "middle", "middle", "low")
 
 
-def _agreeing(scene: Scene, rng: Generator) -> list[tuple[ActionStep, ...]]:
-    """The scene's steps, with what they leave open about lying and sitting decided alike."""
+def _consistent(scene: Scene, rng: Generator) -> list[tuple[ActionStep, ...]]:
+    """The scene's steps, with unspecified directions of lying and heights of seats set alike."""
     lying, seat = str(rng.choice(_LYING)), str(rng.choice(_SEATS))
     groups = []
     for group in scene.steps:
@@ -75,10 +75,10 @@ def _agreeing(scene: Scene, rng: Generator) -> list[tuple[ActionStep, ...]]:
 
 
 def act_scene(scene: Scene, rng: Generator, *, variation: float = 1.0) -> Curves:
-    """Act a whole scene out by one performer; one span per step group."""
+    """Perform a whole scene by one performer; one span per step group."""
     individual = sample_individual(rng) * variation
     stance = sample_stance(rng, variation)
-    movements = [_act_group(group, individual, stance, rng) for group in _agreeing(scene, rng)]
+    movements = [_act_group(group, individual, stance, rng) for group in _consistent(scene, rng)]
     movements = [
         pause(m, 0, int(rng.integers(1, 16))) if rng.random() < 0.25 * variation and at_rest(m, -1) else m
         for m in movements
@@ -89,7 +89,7 @@ def act_scene(scene: Scene, rng: Generator, *, variation: float = 1.0) -> Curves
     return begin_and_end(curves, scene, rng, variation)
 
 
-#: Slow unsteadiness of each channel: metres, radians, arm lengths.
+#: Amplitude of slow noise on each channel: metres, radians, arm lengths.
 _UNREST = np.zeros(CHANNELS)
 _UNREST[[0, 1, 2]] = [0.004, 0.002, 0.004]
 _UNREST[4:7] = 0.018
@@ -104,12 +104,12 @@ _FEET = [13, 14, 15, 19, 20, 21]
 def _unrest(curves: Curves, rng: Generator, variation: float) -> None:
     strength = variation * float(np.exp(rng.normal(0.0, 0.5)))
     curves.data += strength * _UNREST * roam(len(curves), CHANNELS, rng, 1.2)
-    if rng.random() < 0.3 * variation:  # feet that slide and float a little, as imperfect capture has them
+    if rng.random() < 0.3 * variation:  # slight foot sliding and floating, as in imperfect captures
         curves.data[:, _FEET] += rng.uniform(0.0, 0.012) * roam(len(curves), len(_FEET), rng, 2.0)
 
 
 def _clock(frames: int, rng: Generator, variation: float) -> Array:
-    """Where in the movement each frame of a clip is taken, (F',): faster and slower, by up to a quarter."""
+    """Time warp: the source frame of each frame of a clip, (F',), at 0.75 to 1.3 times the speed."""
     longest = int(frames / 0.75) + 1
     rate = np.exp(variation * (rng.normal(0.0, 0.08) + 0.05 * roam(longest, 1, rng, 0.7)[:, 0]))
     at = np.concatenate([[0.0], np.cumsum(np.clip(rate, 0.75, 1.3))])
@@ -125,7 +125,7 @@ def _sample(joints: Array, clock: Array) -> Array:
 def _finish(
     scene: Scene, curves: Curves, joints: Array, rng: Generator, variation: float, captions: Sequence[str]
 ) -> SceneClip:
-    """Warp time and add the sensor's noise."""
+    """Warp time and add sensor noise."""
     spans = np.array(curves.spans, dtype=np.float64)
     if variation:
         clock = _clock(len(joints), rng, variation)
@@ -138,16 +138,16 @@ def _finish(
 
 
 def make_clip(scene: Scene, rng: Generator, *, captions: Sequence[str] = (), variation: float = 1.0) -> SceneClip:
-    """Act a scene out by one random performer.
+    """Synthesise a clip of a scene by one random performer.
 
     Parameters
     ----------
     rng : Generator
-        All chance; the same state makes the same clip.
+        The only source of randomness: the same state gives the same clip.
     captions : sequence of str
-        Handed on to the clip.
+        Passed on to the clip.
     variation : float
-        1: performers, rigs, timing and capture differ as in the wild; 0: the plain movement on the canonical body.
+        1: performers, rigs, timing and sensor noise vary as in captures; 0: the plain movement on the canonical body.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""Seeds of made clips, so that what is trained on never meets what is measured on."""
+"""Seeds of synthetic clips, disjoint for training, validation, test and calibration."""
 
-#: Shards of the training corpus count up from here; the others stay clear of it.
+#: The first shard of the training corpus; further shards count up from here.
 TRAINING = 0
-#: Runs with another seed see other clips, so that their mean has seen more.
+#: Distance of the first shards of two training runs, so that an average of runs covers more clips.
 RUNS_APART = 1000
 VALIDATION = 1_000_000
 TEST = 2_000_000

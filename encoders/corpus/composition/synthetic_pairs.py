@@ -1,4 +1,4 @@
-"""Made training pairs: scenes drawn at random or read out of human sentences, acted out, and described."""
+"""Synthetic training pairs: scenes, random or parsed from human sentences, as motion features with captions."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from encoders.corpus.scene import ActionStep, Scene
 from encoders.features.registry import FeatureKind
 from encoders.motion import Motion
 
-#: Share of captions that leave open which hand or foot acts: "raises one hand".
-_EITHER = 0.35
+#: Share of captions that do not say which hand or foot acts: "raises one hand".
+_SIDE_OMITTED = 0.35
 
 
 @dataclass(frozen=True)
 class SyntheticClip:
-    """One made clip with sentences that are true of it, and the facts each of them states.
+    """One synthetic clip with its captions.
 
     Attributes
     ----------
     features : float32 (T, F)
     scene : Scene
-    spans : ((start, end) seconds per step group)
+    spans : start and end of each step group, seconds
     captions, meanings : sentences, and the facts that each states
-    hard_negatives : for each caption one that looks alike but is false, empty where there is none
+    hard_negatives : for each caption a similar sentence that is false, "" where there is none
     """
 
     features: NDArray[np.float32]
@@ -46,21 +46,21 @@ class SyntheticClip:
 
 
 def relevance(clips: Sequence[SyntheticClip]) -> NDArray[np.bool_]:
-    """Whether the first sentence of each clip (rows) is known to be true of each clip (columns); of its own it is."""
+    """Whether the first caption of each clip (rows) is known to describe each clip (columns), its own included."""
     shown = [facts(clip.scene) for clip in clips]
     return entailment([clip.meanings[0] for clip in clips], shown) | np.eye(len(clips), dtype=bool)
 
 
 def complete_scene(scene: Scene, rng: Generator) -> Scene:
-    """Sides and directions that the scene leaves open are decided, so that what is true of the clip is known."""
+    """The scene with unspecified sides sampled and unspecified directions set to forward: all its facts are known."""
 
-    def decided(step: ActionStep) -> ActionStep:
+    def completed(step: ActionStep) -> ActionStep:
         action = program_of(step.action)
         side = step.side or (str(rng.choice(action.sides)) if action.sides else "")
         ahead = "forward" if "forward" in action.directions else ""
         return replace(step, side=side, direction=step.direction or ahead)
 
-    return Scene(tuple(tuple(decided(step) for step in group) for group in scene.steps))
+    return Scene(tuple(tuple(completed(step) for step in group) for group in scene.steps))
 
 
 def synthetic_clip(
@@ -68,27 +68,27 @@ def synthetic_clip(
     rng: Generator,
     kind: FeatureKind,
     *,
-    said: Sequence[str] = (),
+    captions: Sequence[str] = (),
     count: int = 6,
     held_out: Callable[[str], bool] | None = None,
 ) -> SyntheticClip:
-    """Act a scene out and describe it.
+    """Synthesise a clip of a scene and caption it.
 
     Parameters
     ----------
-    said : sequence of str
-        Sentences already known to say what `scene` says.
+    captions : sequence of str
+        Sentences that are known to state the scene, kept beside the generated ones.
     count : int
-        Captions to write.
+        Captions to generate.
     held_out : callable, optional
-        Sentences that must not be used.
+        True for sentences that must not be used.
     """
     whole = complete_scene(scene, rng)
     clip = make_clip(whole, rng)
-    stated = {text: (facts(scene), "") for text in said}
+    stated = {text: (facts(scene), "") for text in captions}
     for _ in range(count):
-        text, meaning, twin = caption_and_hard_negative(whole, rng)
-        stated.setdefault(text, (meaning, twin))
+        text, meaning, negative = caption_and_hard_negative(whole, rng)
+        stated.setdefault(text, (meaning, negative))
     banned = held_out or _none
     texts = [text for text in stated if not banned(text)]
     return SyntheticClip(
@@ -106,28 +106,28 @@ def _none(_: str) -> bool:
 
 
 def caption_and_hard_negative(scene: Scene, rng: Generator) -> tuple[str, frozenset[str], str]:
-    """A caption, the facts it states, and its twin: the same wording, of which one thing is false; empty if none is.
+    """A caption, the facts that it states, and its hard negative: one attribute or the order is wrong; "" if none.
 
-    Both are written with the same chance, so that most differ in nothing but the order, side, direction or count.
+    Both are generated from the same random state, so that most differ only in the order, side, direction or count.
     """
-    shown, chance = facts(scene), int(rng.integers(2**62))
-    scene = _either(scene) if rng.random() < _EITHER else scene
-    true = describe(scene, np.random.default_rng(chance))
-    wrong = contrasting_scene(scene, rng)
-    if wrong is not None:
-        false = describe(wrong, np.random.default_rng(chance))
-        if not facts(false.scene) <= shown and not facts(true.scene) <= facts(wrong):
-            return true.text, facts(true.scene), false.text
-    return true.text, facts(true.scene), ""
+    shown, seed = facts(scene), int(rng.integers(2**62))
+    scene = _without_side(scene) if rng.random() < _SIDE_OMITTED else scene
+    caption = describe(scene, np.random.default_rng(seed))
+    contrast = contrasting_scene(scene, rng)
+    if contrast is not None:
+        negative = describe(contrast, np.random.default_rng(seed))
+        if not facts(negative.scene) <= shown and not facts(caption.scene) <= facts(contrast):
+            return caption.text, facts(caption.scene), negative.text
+    return caption.text, facts(caption.scene), ""
 
 
-def _either(scene: Scene) -> Scene:
-    """The scene without which hand or foot acts, where it is one."""
+def _without_side(scene: Scene) -> Scene:
+    """The scene with left and right unspecified."""
 
-    def either(step: ActionStep) -> ActionStep:
+    def omitted(step: ActionStep) -> ActionStep:
         return replace(step, side="") if step.side in ("left", "right") else step
 
-    return Scene(tuple(tuple(either(step) for step in group) for group in scene.steps))
+    return Scene(tuple(tuple(omitted(step) for step in group) for group in scene.steps))
 
 
 def synthetic_clips(
@@ -141,24 +141,23 @@ def synthetic_clips(
     longest: float = 12.8,
     held_out: Callable[[str], bool] | None = None,
 ) -> Iterator[SyntheticClip]:
-    """`count` made clips of at most `longest` seconds; the same seed makes the same clips.
+    """`count` synthetic clips of at most `longest` seconds; deterministic for a seed.
 
-    In `gait_share` of them somebody just goes; of the others `human_share` act out human sentences that can be read
-    surely.
+    A share of `gait_share` shows plain locomotion; of the others `human_share` show human sentences that can be parsed.
     """
     rng = np.random.default_rng(seed)
     while count > 0:
         scene: Scene | None = None
-        said: tuple[str, ...] = ()
+        captions: tuple[str, ...] = ()
         if gait_share and rng.random() < gait_share:
             scene = random_gait(rng)
         elif len(sentences) and rng.random() < human_share:
             sentence = sentences[int(rng.integers(len(sentences)))]
             scene = parse(sentence)
-            said = (sentence,)
+            captions = (sentence,)
             if scene is None:
                 continue
-        made = synthetic_clip(scene or random_scene(rng), rng, kind, said=said, held_out=held_out)
-        if made.captions and len(made.features) <= longest * kind.fps:
+        clip = synthetic_clip(scene or random_scene(rng), rng, kind, captions=captions, held_out=held_out)
+        if clip.captions and len(clip.features) <= longest * kind.fps:
             count -= 1
-            yield made
+            yield clip

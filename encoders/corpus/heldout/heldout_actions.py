@@ -1,4 +1,4 @@
-"""Actions that no training clip shows, told in key poses like those that training knows."""
+"""Held-out actions: key-pose programs that no training clip shows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Manners in which no training clip is acted; rows like those of `encoders.corpus.engine.style.HELD_OUT_STYLES`."""
+"""Held-out styles: manner fields like those of `encoders.corpus.engine.style.STYLES`, shown by no training clip."""
 
 HELD_OUT_STYLES: dict[str, dict[str, float]] = {
     "wading": {"pace": -0.6, "stride": -0.1, "swing": 0.1, "lift": 0.2, "apart": 0.3, "raised": 0.2, "bend": 0.1,

@@ -1,4 +1,4 @@
-"""How people call the actions and the manners that training never meets, and known ones in words it never meets."""
+"""Queries for held-out actions and styles, and held-out paraphrases for known actions."""
 
 from __future__ import annotations
 
@@ -73,20 +73,17 @@ STYLE_PHRASES: dict[str, tuple[str, ...]] = {
 
 
 def action_query(action: str, rng: Generator) -> str:
-    """One of the sentences for an action that training never meets."""
+    """A random query for a held-out action."""
     return str(rng.choice(ACTION_QUERIES[action]))
 
 
 def with_style(text: str, style: str, rng: Generator) -> str:
-    """A sentence that says the manner too."""
+    """The sentence with a phrase for a held-out style."""
     return f"{text.rstrip(' .')} {rng.choice(STYLE_PHRASES[style])}"
 
 
 @cache
 def paraphrase_queries() -> Mapping[str, tuple[str, ...]]:
-    """Sentences that say of a known action that somebody does it, by action; no caption may equal one of them.
-
-    Their phrases are in no table of the corpus.
-    """
+    """Action -> human sentences for it; excluded from training, and their phrases are not in the lexicon."""
     stored = json.loads((Path(__file__).parent / "paraphrase_queries.json").read_text("utf-8"))
     return {action: tuple(sentences) for action, sentences in stored.items()}
