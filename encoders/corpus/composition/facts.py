@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from encoders.corpus.scene import ActionStep, Scene
 
 #: Action -> the more general action that people also call it (hypernyms).
-_KINDS_OF = {
+HYPERNYMS = {
     "jog": "run", "sprint": "run", "limp": "walk", "sneak": "walk", "tiptoe": "walk", "march": "walk",
     "stagger": "walk", "crouch walk": "walk", "shuffle": "walk", "drag leg": "walk",
     "balance beam": "walk", "take steps": "walk", "walk half circle": "walk", "walk figure eight": "walk",
@@ -52,7 +52,7 @@ def _names(step: ActionStep) -> tuple[str, ...]:
     """The action and its more general name."""
     if step.action == "run" and step.speed == "fast":
         return ("run", "sprint")
-    return (step.action, *filter(None, [_KINDS_OF.get(step.action)]))
+    return (step.action, *filter(None, [HYPERNYMS.get(step.action)]))
 
 
 def _named(action: str, step: ActionStep) -> set[str]:
@@ -111,7 +111,7 @@ class Underspecified:
 
 def _salient_kind_of(fact: str) -> str:
     """The general action of an action that people would name by its own name; "" for other facts."""
-    return "" if fact in _INTERCHANGEABLE else _KINDS_OF.get(fact, "")
+    return "" if fact in _INTERCHANGEABLE else HYPERNYMS.get(fact, "")
 
 
 def _rows(sets: Sequence[Iterable[int]], size: int) -> NDArray[np.float32]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from encoders.corpus.actions.programs import programs
-from encoders.corpus.composition.facts import _KINDS_OF, Underspecified, entailment_of_indices, facts
+from encoders.corpus.composition.facts import HYPERNYMS, Underspecified, entailment_of_indices, facts
 from encoders.corpus.scene import ActionStep, Scene
 
 
@@ -57,7 +57,7 @@ def test_it_is_not_true_of_what_differs_in_one_thing(said: Scene, shown: Scene) 
 
 
 def test_every_kind_of_action_exists() -> None:
-    assert {*_KINDS_OF, *_KINDS_OF.values()} <= set(programs())
+    assert {*HYPERNYMS, *HYPERNYMS.values()} <= set(programs())
 
 
 def test_a_meaning_holds_where_all_its_facts_are_and_no_facts_mean_nothing_is_known() -> None:

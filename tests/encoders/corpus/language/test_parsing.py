@@ -1,0 +1,53 @@
+"""Human sentences are parsed exactly or not at all."""
+
+from __future__ import annotations
+
+import pytest
+
+from encoders.corpus.actions.programs import programs
+from encoders.corpus.language.parsing import parse
+
+
+@pytest.mark.parametrize(
+    ("sentence", "scene"),
+    [
+        ("a person walks forward then turns around and walks back.", "walk, forward; then turn, around; then walk"),
+        ("A man waves with his left hand", "wave, left"),
+        ("the person is jumping up and down", "jump, in place"),
+        ("someone walks in a counter-clockwise circle", "walk, counterclockwise"),
+        ("a person slowly walks to the right while waving", "walk, right, slow while wave"),
+        ("person bends down and picks something up with both hands", "pick up, both, low"),
+        ("a person sits down, then stands up", "sit down; then stand up"),
+        ("she raises her right arm and waves", "wave, right"),
+        ("a person does 5 jumping jacks", None),
+        ("after clapping, the man bows", "clap; then bow"),
+        ("a person throws a ball twice", "throw, 2 times"),
+        ("running in place", "run, in place"),
+    ],
+)
+def test_sentences_are_read(sentence: str, scene: str | None) -> None:
+    read = parse(sentence)
+    if scene is not None:
+        assert str(read) == scene
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "",
+        "invoice for March",
+        "a person walks without moving their arms",
+        "a person frobnicates the left widget",
+        "a person walks like nothing on earth while whistling",
+        "une personne marche",
+        "a person almost falls",
+    ],
+)
+def test_what_is_not_understood_gives_no_scene(sentence: str) -> None:
+    assert parse(sentence) is None
+
+
+def test_what_is_read_can_be_acted_out() -> None:
+    scene = parse("a person walks forward, claps twice and then sits down")
+    assert scene is not None
+    assert all(step.action in programs() for group in scene.steps for step in group)
