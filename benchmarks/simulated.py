@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from indexer.store import schema
+from indexer.store.files import INDEXED
 from indexer.store.stored_library import FILE, StoredLibrary
-from indexer.store.writer import INDEXED
 from indexer.vectors.sync import CLIPS
 from search.query.vocabulary import vocabulary
 

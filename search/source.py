@@ -157,6 +157,8 @@ def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps:
     ------
     UnreadableMotion, UnknownClip
         If it names nothing, or a file that cannot be read.
+    QueryError
+        If it names a clip that was added as an array, with a frame rate.
     """
     path = Path(ref)
     if path.is_dir() and (library is None or not library.ids("clips.name = ?", [fspath(ref)]).size):
@@ -172,6 +174,8 @@ def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps:
     if clip is None:
         return MotionSource.of_file(ref, library, fps=fps)
     if fps is not None:
+        if clip.file is None:
+            raise QueryError(f"{clip.path}: was added as an array; it has no file to read at another frame rate")
         return replace(MotionSource.of_file(clip.file, library, fps=fps), path=clip.path, clip_id=clip.id)
     return MotionSource.of_clip(library, clip)
 

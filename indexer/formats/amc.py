@@ -14,7 +14,7 @@ from encoders.errors import UnreadableMotion
 from indexer.formats.asf import Bone, Skeleton, read_skeleton
 from indexer.formats.kinematics import Axes, Pose, turn
 from indexer.formats.numbers import parse_numbers
-from indexer.formats.take import Take
+from indexer.take import Take
 
 DESCRIPTION = "Acclaim motion, with its skeleton (.asf) beside it; 120 frames a second unless told otherwise"
 FPS = 120.0

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from encoders.errors import UnreadableMotion
 from indexer.formats.kinematics import Pose, turn
 from indexer.formats.numbers import parse_numbers
-from indexer.formats.take import Take
+from indexer.take import Take
 
 DESCRIPTION = "BVH, any skeleton and channel order"
 MAX_JOINTS = 4096

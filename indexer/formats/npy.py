@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from encoders.errors import UnreadableMotion
 from encoders.motion import FPS
 from encoders.skeleton import JOINTS, PARENTS
-from indexer.formats.take import Take
+from indexer.take import Take
 
 DESCRIPTION = "joints (T, 22|24|52, 3) in SMPL order, or features (T, 263); 20 fps unless told otherwise"
 FEATURES = 263

@@ -9,7 +9,7 @@ from os import PathLike
 
 from encoders.errors import UnreadableMotion
 from indexer.formats import npy
-from indexer.formats.take import Take
+from indexer.take import Take
 
 DESCRIPTION = "an array `joints` of (T, 22|24|52, 3) in SMPL order, and `fps`; 20 fps where it is missing"
 

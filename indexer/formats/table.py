@@ -13,7 +13,7 @@ import numpy as np
 
 from encoders.errors import UnreadableMotion
 from indexer.formats import amc, bvh, npy, npz
-from indexer.formats.take import Take
+from indexer.take import Take
 
 _READERS: dict[str, ModuleType] = {".bvh": bvh, ".amc": amc, ".npy": npy, ".npz": npz}
 

@@ -11,9 +11,10 @@ import json
 import math
 import posixpath
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from indexer.store.captions import CaptionRow
 
 MAX_TEXT = 2000
 MAX_LINES = 1000  # of a .txt file: a longer one is no list of captions
@@ -22,21 +23,10 @@ COLUMNS = ("path", "text", "start", "end", "fps")
 Warn = Callable[[str], None]
 
 
-@dataclass(frozen=True)
-class Row:
-    """A caption of the motion at `path` (relative to the root), a frame rate for it, or both."""
-
-    path: str
-    text: str | None = None
-    start: float | None = None
-    end: float | None = None
-    fps: float | None = None
-
-
-def read_table(file: Path, folder: str, warn: Warn) -> list[Row]:
+def read_table(file: Path, folder: str, warn: Warn) -> list[CaptionRow]:
     """The rows of a captions table; `folder` is where it lies, relative to the root, empty for the root itself.
 
-    A row that makes no sense is told to `warn` with its line, and left out.
+    A row that makes no sense is left out, with a warning that names its line.
     """
     rows = []
     for number, record in _records(file, warn):
@@ -98,7 +88,7 @@ def _json_records(file: Path, lines: Iterable[str], warn: Warn) -> Iterator[tupl
             warn(f"{file}, line {number}: {{...}} with path and text is expected; the row is left out")
 
 
-def _row(record: Mapping[str, Any], folder: str) -> Row:
+def _row(record: Mapping[str, Any], folder: str) -> CaptionRow:
     text = record.get("text")
     text = None if text is None or not str(text).strip() else _text(str(text))
     fps = _number(record, "fps")
@@ -107,7 +97,7 @@ def _row(record: Mapping[str, Any], folder: str) -> Row:
     if fps is not None and not 0 < fps < 1e5:
         raise ValueError(f"fps={fps:g} is no frame rate")
     start, end = _number(record, "start"), _number(record, "end")
-    return Row(_path(record.get("path"), folder), text, *_span(start, end), fps)
+    return CaptionRow(_path(record.get("path"), folder), text, *_span(start, end), fps)
 
 
 def _path(value: Any, folder: str) -> str:

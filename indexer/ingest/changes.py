@@ -1,4 +1,4 @@
-"""What changed in a folder since the library last looked: by path, size and time, then by content."""
+"""What changed in a folder since it was last indexed: by path, size and time, then by content."""
 
 from __future__ import annotations
 
@@ -7,9 +7,40 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from indexer.ingest.scan import File, Folder
-from indexer.store.read_options import Asked
-from indexer.store.writer import INDEXED, FileVersion, Known, Writer
+from indexer.ingest.scan import Folder
+from indexer.store import read_options
+from indexer.store.files import INDEXED, File, FileVersion, KnownFile
+from indexer.store.read_options import ReadOptions
+from indexer.store.writer import Writer
+
+
+@dataclass(frozen=True)
+class RequestedOptions:
+    """How files are to be read in a run: the options that were given, None for those that were not.
+
+    A file is read as it was before where no other option is given, so that options need not be repeated.
+
+    Attributes
+    ----------
+    fps : float or None
+    joint_map : mapping or None
+        Target joint to joint name in the file.
+    retry : bool
+        Read unchanged files again that could not be read.
+    """
+
+    fps: float | None = None
+    joint_map: Mapping[str, str] | None = None
+    retry: bool = False
+
+    def for_file(self, stated_rate: float | None, before: ReadOptions | None) -> ReadOptions:
+        """The options for a file with a frame rate from a captions table, if any, and the options it was read with."""
+        before = before or ReadOptions()
+        joint_map = before.joint_map if self.joint_map is None else tuple(sorted(self.joint_map.items()))
+        if stated_rate is not None:
+            return ReadOptions(stated_rate, True, joint_map, read_options.READER_VERSION)
+        given_before = None if before.from_table else before.fps
+        return ReadOptions(self.fps or given_before, False, joint_map, read_options.READER_VERSION)
 
 
 @dataclass
@@ -18,15 +49,15 @@ class Changes:
 
     Attributes
     ----------
-    read : list of Source
+    read : list of FileVersion
         New and changed files.
-    unreadable : list of (Source, reason)
+    unreadable : list of (FileVersion, reason)
         Files that cannot even be opened.
     moved : list of (file id, root id, File)
         Files that lie elsewhere than before, or are back.
     touched : list of (file id, File)
         Files with a new time and the old content.
-    gone : list of Known
+    gone : list of KnownFile
         Files that have vanished.
     unchanged, failed_before : int
         Files as they were: those indexed, and those that could not be read.
@@ -36,11 +67,11 @@ class Changes:
     unreadable: list[tuple[FileVersion, str]] = field(default_factory=list)
     moved: list[tuple[int, int, File]] = field(default_factory=list)
     touched: list[tuple[int, File]] = field(default_factory=list)
-    gone: list[Known] = field(default_factory=list)
+    gone: list[KnownFile] = field(default_factory=list)
     unchanged: int = 0
     failed_before: int = 0
 
-    def count_as_before(self, known: Known) -> None:
+    def count_as_before(self, known: KnownFile) -> None:
         """Count a file that needs nothing done."""
         if known.state == INDEXED:
             self.unchanged += 1
@@ -54,17 +85,17 @@ def compare(
     root_id: int,
     folders: list[Folder],
     motions: list[File],
-    asked: Asked,
+    requested: RequestedOptions,
     rates: Mapping[str, float],
 ) -> Changes:
-    """Hold the motions found under a root against what the library knows; changes nothing.
+    """Compare the motions found under a root with what the library knows; changes nothing.
 
     Parameters
     ----------
-    asked : Asked
+    requested : RequestedOptions
         How files are to be read.
     rates : mapping
-        Path -> frame rate stated by a captions table, which goes before the one asked for.
+        Path -> frame rate stated by a captions table, which takes precedence over the one requested.
     """
     changes = Changes()
     known = writer.known(root_id)
@@ -73,16 +104,16 @@ def compare(
     for file in motions:
         rate = rates.get(file.path)
         old = known.get(file.path)
-        recipe = asked.recipe(rate, None if old is None else old.recipe)
-        again = old is None or old.recipe != recipe or (asked.retry and old.state != INDEXED)
+        options = requested.for_file(rate, None if old is None else old.options)
+        again = old is None or old.options != options or (requested.retry and old.state != INDEXED)
         if old is not None and not again and (old.size, old.mtime_ns) == (file.size, file.mtime_ns):
             changes.count_as_before(old)
             continue
         try:
-            source = FileVersion(root_id, file, file.hash(root), recipe)
+            source = FileVersion(root_id, file, file.hash(root), options)
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
-            changes.unreadable.append((FileVersion(root_id, file, "", recipe), reason))
+            changes.unreadable.append((FileVersion(root_id, file, "", options), reason))
             continue
         if old is not None and not again and old.hash == source.hash:
             changes.touched.append((old.id, file))
@@ -90,7 +121,7 @@ def compare(
             continue
         origin = None
         if old is None or old.state != INDEXED:
-            origin = _origin(writer, source, found, taken, asked, rate)
+            origin = _origin(writer, source, found, taken, requested, rate)
         if origin is None:
             changes.read.append(source)
         else:
@@ -104,13 +135,29 @@ def compare(
 
 
 def _origin(
-    writer: Writer, source: FileVersion, found: set[str], taken: set[int], asked: Asked, rate: float | None
+    writer: Writer,
+    source: FileVersion,
+    found: set[str],
+    taken: set[int],
+    requested: RequestedOptions,
+    rate: float | None,
 ) -> int | None:
-    """The file that this one was: of the same content, to be read as it was, and not there any more."""
-    for file_id, root_id, path, state, recipe in writer.same_content(source.hash):
-        if file_id in taken or asked.recipe(rate, recipe) != recipe:
+    """The file that has moved here: of the same content, to be read as it was, and no longer where it was."""
+    for file_id, root_id, path, state, options in writer.same_content(source.hash):
+        if file_id in taken or requested.for_file(rate, options) != options:
             continue
         here = root_id == source.root_id
         if state != INDEXED or (path not in found if here else not os.path.lexists(writer.root_path(root_id) / path)):
             return file_id
     return None
+
+
+def record(writer: Writer, changes: Changes) -> None:
+    """Write down all changes but those that need a file to be read."""
+    for file_id, file in changes.touched:
+        writer.update_time(file_id, file)
+    for file_id, root_id, file in changes.moved:
+        writer.move(file_id, root_id, file)
+    writer.gone(known.id for known in changes.gone)
+    for source, reason in changes.unreadable:
+        writer.fail(source, reason)

@@ -13,16 +13,17 @@ from encoders.errors import LibraryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.formats.table import READABLE
-from indexer.ingest import captions
-from indexer.ingest.captions import Synced
-from indexer.ingest.changes import Changes, compare
+from indexer.ingest import side_files
+from indexer.ingest.changes import Changes, RequestedOptions, compare, record
 from indexer.ingest.encode import encode
 from indexer.ingest.pool import Read, Request, read_all
 from indexer.ingest.reencode import reencode
 from indexer.ingest.scan import walk
-from indexer.store.read_options import Asked
+from indexer.ingest.side_files import SideFileChanges
+from indexer.store.captions import remove_side_files, stated_rates
+from indexer.store.files import INDEXED, FileVersion
 from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
-from indexer.store.writer import INDEXED, FileVersion, Writer, writing
+from indexer.store.writer import Writer, writing
 
 __all__ = ["Progress", "Summary", "index", "reencode"]
 
@@ -129,15 +130,15 @@ def index(
         with writer.batch():
             model_id = writer.use_model(bundle)
             keys = {writer.root(folder): folder for folder in folders}
-        synced: dict[int, Synced] = {}
+        beside: dict[int, SideFileChanges] = {}
         requests: list[Request[_Task]] = []
         for key, folder in keys.items():
-            synced[key], changes = _look(writer, folder, key, Asked(fps, joint_map, retry), summary)
+            beside[key], changes = _update(writer, folder, key, RequestedOptions(fps, joint_map, retry), summary)
             requests += [_request(folder, source) for source in changes.read]
         _read_and_encode(writer, bundle, model_id, requests, jobs or os.cpu_count() or 1, summary, progress)
         for key, folder in keys.items():
-            summary.warnings += captions.unmatched(writer.connection, folder, synced[key])
-        captions.encode_texts(writer, bundle, model_id)
+            summary.warnings += side_files.unmatched(writer.connection, folder, beside[key])
+        side_files.encode_captions(writer, bundle, model_id)
     with StoredLibrary.open(place, bundle=bundle) as made:
         made.prepare()
     summary.seconds = time.monotonic() - began
@@ -165,12 +166,14 @@ def _places(
 
 
 def _request(root: Path, source: FileVersion) -> Request[_Task]:
-    recipe = source.recipe
-    return Request(_Task(root, source), root / source.file.path, recipe.fps, dict(recipe.joint_map) or None)
+    options = source.options
+    return Request(_Task(root, source), root / source.file.path, options.fps, dict(options.joint_map) or None)
 
 
-def _look(writer: Writer, root: Path, root_id: int, asked: Asked, summary: Summary) -> tuple[Synced, Changes]:
-    """Walk one folder; captions, moves and losses are noted at once, what is to be read is returned."""
+def _update(
+    writer: Writer, root: Path, root_id: int, requested: RequestedOptions, summary: Summary
+) -> tuple[SideFileChanges, Changes]:
+    """Walk one folder and record captions, moves and losses; what is to be read is among what is returned."""
     try:
         folders = list(walk(root, summary.warnings.append))
     except OSError as error:
@@ -178,20 +181,20 @@ def _look(writer: Writer, root: Path, root_id: int, asked: Asked, summary: Summa
     if not writer.folder.is_relative_to(root) and not any(folder.files for folder in folders) and writer.known(root_id):
         raise LibraryError(f"{root}: is empty, so nothing was changed; is its drive connected?")
     motions = {folder.path: folder.motions(READABLE) for folder in folders}
-    beside = [pair for folder in folders for pair in folder.side_files(motions[folder.path])]
+    found_beside = [pair for folder in folders for pair in folder.side_files(motions[folder.path])]
     with writer.batch():
-        synced = captions.sync(writer.connection, root, root_id, beside, summary.warnings.append)
-        rates = captions.rates(writer.connection, root_id, synced)
+        beside = side_files.update(writer.connection, root, root_id, found_beside, summary.warnings.append)
+        rates = stated_rates(writer.connection, root_id, without=beside.vanished)
         found = [file for files in motions.values() for file in files]
-        changes = compare(writer, root, root_id, folders, found, asked, rates)
-        writer.note(changes)
-        captions.forget(writer.connection, synced.vanished)
+        changes = compare(writer, root, root_id, folders, found, requested, rates)
+        record(writer, changes)
+        remove_side_files(writer.connection, beside.vanished)
     summary.unchanged += changes.unchanged
     summary.failed_before += changes.failed_before
     summary.moved += len(changes.moved)
     summary.gone += sum(known.state == INDEXED for known in changes.gone)
     summary.failed += [(str(root / source.file.path), reason) for source, reason in changes.unreadable]
-    return synced, changes
+    return beside, changes
 
 
 def _read_and_encode(
@@ -227,7 +230,7 @@ def _read_and_encode(
 
 
 def _commit(writer: Writer, bundle: Encoder, model_id: int, batch: list[tuple[_Task, Read]], summary: Summary) -> None:
-    """Encode what was read and write it down with what could not be, as one transaction."""
+    """Encode what was read and store it, with what could not be read, as one transaction."""
     good: list[tuple[_Task, Motion, str]] = [(task, read.motion, read.rig) for task, read in batch if read.motion]
     bad = [(task, read.reason) for task, read in batch if read.motion is None]
     encoded = encode(bundle, [motion for _, motion, _ in good])

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from os import PathLike
 
 from encoders.protocol import Encoder
-from indexer.ingest import captions
 from indexer.ingest.encode import encode
+from indexer.ingest.side_files import encode_captions
 from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
 
@@ -47,7 +47,7 @@ def reencode(
         with writer.batch():
             model_id = writer.use_model(bundle, current=False)
         total = _encode_clips(poses, writer, bundle, model_id, progress)
-        captions.encode_texts(writer, bundle, model_id)
+        encode_captions(writer, bundle, model_id)
         with writer.batch():
             writer.switch_model(model_id)
         folder = poses.folder

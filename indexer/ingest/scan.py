@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
-from hashlib import blake2b
 from pathlib import Path
 from posixpath import basename, splitext
+
+from indexer.store.files import File
 
 #: Formats of motion that people keep beside what can be read: listed as failed, not passed over in silence.
 MOTION_LIKE = frozenset(
@@ -18,52 +19,6 @@ MOTION_LIKE = frozenset(
 SKELETONS = {".amc": ".asf"}
 TABLES = frozenset({"captions.csv", "captions.tsv", "captions.jsonl"})
 LINES = ".txt"
-
-
-@dataclass(frozen=True)
-class File:
-    """A file as the walk saw it.
-
-    Attributes
-    ----------
-    path : str
-        Relative to the root, with forward slashes.
-    size, mtime_ns : int
-        Of it and of what it is read with, added up: enough to see that something changed.
-    others : tuple of str
-        What it is read with; relative to the root.
-    """
-
-    path: str
-    size: int
-    mtime_ns: int
-    others: tuple[str, ...] = ()
-
-    @property
-    def ending(self) -> str:
-        """In small letters, with the dot."""
-        return splitext(self.path)[1].lower()
-
-    @property
-    def stem(self) -> str:
-        """The path without its ending: what a side file of the same name shares."""
-        return splitext(self.path)[0]
-
-    def hash(self, root: Path) -> str:
-        """The content, as hex digits.
-
-        Raises
-        ------
-        OSError
-            If it cannot be read.
-        """
-        digest = blake2b(digest_size=16)
-        for path in (self.path, *self.others):
-            with (root / path).open("rb") as file:
-                while piece := file.read(1 << 20):
-                    digest.update(piece)
-            digest.update(b"\0")
-        return digest.hexdigest()
 
 
 @dataclass

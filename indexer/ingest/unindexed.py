@@ -9,7 +9,9 @@ from typing import Any
 
 from encoders.motion import Motion
 from indexer.ingest import worker
-from indexer.ingest.scan import SKELETONS, File, walk
+from indexer.ingest.scan import SKELETONS, walk
+from indexer.store.captions import stated_rate
+from indexer.store.files import File
 from indexer.store.read_options import ReadOptions
 from indexer.store.stored_library import StoredLibrary
 
@@ -52,7 +54,7 @@ def recipe_of(library: StoredLibrary, path: Path) -> ReadOptions | None:
         if place.is_relative_to(root):
             named = (key, place.relative_to(root).as_posix())
             recipe = recipe or _only(library, "root_id = ? AND path = ? AND state != 'gone'", named)
-            rate = rate or _stated(library, named)
+            rate = rate or stated_rate(library.connection, *named)
     recipe = recipe or _of_content(library, place)
     return recipe if rate is None else replace(recipe or ReadOptions(), fps=rate)
 
@@ -60,14 +62,6 @@ def recipe_of(library: StoredLibrary, path: Path) -> ReadOptions | None:
 def _roots(library: StoredLibrary) -> list[tuple[int, Path]]:
     rows = library.connection.execute("SELECT id, path FROM roots ORDER BY id")
     return [(key, (library.folder / path).resolve()) for key, path in rows]
-
-
-def _stated(library: StoredLibrary, named: Sequence[Any]) -> float | None:
-    """The frame rate that a captions table states, the last one where there are several."""
-    row = library.connection.execute(
-        "SELECT fps FROM captions WHERE root_id = ? AND path = ? AND fps IS NOT NULL ORDER BY id DESC LIMIT 1", named
-    ).fetchone()
-    return None if row is None else float(row[0])
 
 
 def _of_content(library: StoredLibrary, place: Path) -> ReadOptions | None:
@@ -93,7 +87,7 @@ def _scanned(place: Path) -> File:
 def _only(library: StoredLibrary, condition: str, values: Sequence[Any]) -> ReadOptions | None:
     """The one recipe of the files that meet an SQL condition; None where there are none, or several."""
     rows = library.connection.execute(f"SELECT DISTINCT recipe FROM files WHERE {condition}", values).fetchall()
-    recipes = {replace(ReadOptions.of(text), from_table=False, reading=0) for (text,) in rows}
+    recipes = {replace(ReadOptions.of(text), from_table=False, version=0) for (text,) in rows}
     return recipes.pop() if len(recipes) == 1 else None
 
 

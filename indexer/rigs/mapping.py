@@ -15,10 +15,10 @@ import numpy as np
 
 from encoders.errors import UnknownRig, UnreadableMotion
 from encoders.skeleton import INDEX
-from indexer.formats.take import Take
 from indexer.rigs.joint_names import TIP, Name, understand
 from indexer.rigs.shape import head_above, map_shape
 from indexer.rigs.topology import meeting, paths, route
+from indexer.take import Take
 
 LEG = ("hip", "knee", "ankle", "toe")
 ARM = ("collar", "shoulder", "elbow", "wrist")

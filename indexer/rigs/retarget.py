@@ -12,12 +12,12 @@ from encoders.errors import UnreadableMotion
 from encoders.geometry import angle_between, interpolate
 from encoders.motion import FPS, Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS
-from indexer.formats.take import Take
 from indexer.rigs.landmarks import Figure
 from indexer.rigs.mapping import SIDES, map_rig
 from indexer.rigs.orientation import orientation
 from indexer.rigs.rebuild import ARM, LEG, build, rebuild
 from indexer.rigs.rest_pose import calibrate
+from indexer.take import Take
 
 #: Upper leg and shank of the target skeleton, metres.
 LEG_LENGTH = float(

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from encoders.geometry import Array
-from indexer.formats.take import Take
 from indexer.rigs.topology import ancestry, children, meeting
+from indexer.take import Take
 
 _LIKENESS = 0.25  # how far bones of a pair may differ in length, as a share
 _NEARLY = 0.8  # as a share of the longest

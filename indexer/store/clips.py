@@ -1,4 +1,4 @@
-"""Clip and Caption: what the library says of a motion."""
+"""Clip and Caption: what the library knows of a motion."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
-#: The clips that are there: the columns of `clips` and `files` may be asked for.
+from indexer.store.files import ARRAY
+
+#: The clips that can be found; conditions may use the columns of `clips` and `files`.
 LIVE = "FROM clips JOIN files ON files.id = clips.file_id WHERE files.state = 'indexed'"
 
 _COLUMNS = (
@@ -25,21 +27,21 @@ class Clip:
     Attributes
     ----------
     path : str
-        Relative to `root`, with forward slashes.
+        Relative to `root`, with forward slashes; the id of a clip that was added as an array.
     root : Path
-        The indexed folder it lies in.
+        The indexed folder it lies in; for a clip that was added as an array a folder that does not exist.
     root_name : str
         What `root` is called where absolute paths are not shown; see `root_names`.
     name : str
-        The file's name without its ending.
+        The file's name without its ending, or the last part of the id.
     duration : float
         Seconds.
     fps, frames : float, int
         Of the stored motion.
     format : str
-        The file's ending, without the dot.
+        The file's ending, without the dot; "array" for a clip that was added as one.
     rig : str
-        What the reader called the skeleton; empty where it said nothing.
+        A name for the skeleton of the file; empty where it has none.
     added : str
         When it was first indexed, UTC, ISO 8601.
     """
@@ -57,9 +59,9 @@ class Clip:
     added: str
 
     @property
-    def file(self) -> Path:
-        """The source file."""
-        return self.root / self.path
+    def file(self) -> Path | None:
+        """The source file; None for a clip that was added as an array."""
+        return None if self.format == ARRAY else self.root / self.path
 
     def document(self, captions: Sequence[Caption] = ()) -> dict[str, Any]:
         """The clip as plain data with stable keys and rounded numbers; it contains no absolute path."""
@@ -80,7 +82,7 @@ class Clip:
 
 @dataclass(frozen=True)
 class Caption:
-    """What is said of a clip, or of the span from `start` to `end` in seconds."""
+    """A description of a clip, or of its span from `start` to `end` in seconds."""
 
     text: str
     start: float | None = None
@@ -91,10 +93,13 @@ class Caption:
         return {"text": self.text, "start": self.start, "end": self.end}
 
 
-def select(db: sqlite3.Connection, roots: Mapping[int, Path], condition: str, values: Sequence[Any]) -> list[Clip]:
-    """The clips that meet an SQL condition with its values bound, in order of their ids."""
+def select(
+    db: sqlite3.Connection, roots: Mapping[int, Path], condition: str, values: Sequence[Any], *, limit: int = -1
+) -> list[Clip]:
+    """The clips that meet an SQL condition with its values bound, in order of their ids; at most `limit`."""
     names = root_names(roots)
-    rows = db.execute(f"SELECT {_COLUMNS} {LIVE} AND {condition} ORDER BY clips.id", values)
+    query = f"SELECT {_COLUMNS} {LIVE} AND ({condition}) ORDER BY clips.id LIMIT ?"
+    rows = db.execute(query, (*values, limit))
     return [Clip(clip_id, path, roots[root], names[root], *rest) for clip_id, path, root, *rest in rows]
 
 

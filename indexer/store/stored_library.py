@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from os import PathLike, fspath
 from pathlib import Path, PurePosixPath
 from types import TracebackType
@@ -17,8 +17,9 @@ from encoders.bundle.windows import Windows
 from encoders.errors import BundleMismatch, LibraryDamaged, LibraryError, LibraryNotFound, UnknownClip
 from encoders.motion import FPS, Motion
 from encoders.protocol import Encoder
-from indexer.store import poses, schema
+from indexer.store import captions, poses, schema
 from indexer.store.clips import LIVE, Caption, Clip, root_names, select
+from indexer.store.files import ARRAYS_ROOT
 from indexer.store.stats import stats
 from indexer.vectors.sync import CLIPS, WINDOWS, Galleries
 
@@ -33,10 +34,11 @@ FOLDER = ".motionseek"
 FILE = "library.sqlite"
 
 _VARIABLES = 500  # a statement takes only so many values
+_CHUNK = 1000  # clips read at once by those who want them all
 
 
 class StoredLibrary:
-    """An indexed folder. Safe to share between threads; what others write is seen at the next call."""
+    """A library as it lies on disk. Safe to share between threads; what others write is seen at the next call."""
 
     def __init__(self, folder: Path, *, bundle: Encoder | None = None) -> None:
         self.folder = folder
@@ -80,7 +82,7 @@ class StoredLibrary:
         return cls(given.resolve(), bundle=bundle)
 
     def close(self) -> None:
-        """Let go of the files; calls after it fail."""
+        """Close the files; later calls fail."""
         self._closed = True
         for connection in self._connections:
             connection.close()
@@ -145,14 +147,26 @@ class StoredLibrary:
     @property
     def roots(self) -> list[Path]:
         """The indexed folders."""
-        return list(self._roots().values())
+        return [root for root, _ in self._folders()]
+
+    @property
+    def captions_generation(self) -> int:
+        """The generation in which a caption of a clip that was there before last changed; 0 if none ever has."""
+        return captions.generation(self.connection)
 
     @property
     def root_names(self) -> list[str]:
         """The names of the indexed folders, unique in this library, in the order of `roots`."""
-        return list(root_names(self._roots()).values())
+        return [name for _, name in self._folders()]
+
+    def _folders(self) -> list[tuple[Path, str]]:
+        """The indexed folders with their names; the root of clips added as arrays is none."""
+        roots, arrays = self._roots(), (self.folder / ARRAYS_ROOT).resolve()
+        names = root_names(roots)
+        return [(root, names[key]) for key, root in roots.items() if root != arrays]
 
     def _roots(self) -> dict[int, Path]:
+        """Every root by its id, that of clips added as arrays among them."""
         rows = self.connection.execute("SELECT id, path FROM roots ORDER BY id")
         return {key: (self.folder / path).resolve() for key, path in rows}
 
@@ -187,6 +201,13 @@ class StoredLibrary:
             marks = ",".join("?" * len(part))
             found |= {clip.id: clip for clip in self._select(f"clips.id IN ({marks})", part)}
         return found
+
+    def all_clips(self) -> Iterator[Clip]:
+        """Every clip, in order of its id; read in chunks, so that memory does not grow with the library."""
+        last = -1
+        while chunk := select(self.connection, self._roots(), "clips.id > ?", [last], limit=_CHUNK):
+            yield from chunk
+            last = chunk[-1].id
 
     def _select(self, condition: str, values: Sequence[Any]) -> list[Clip]:
         return select(self.connection, self._roots(), condition, values)
@@ -247,7 +268,7 @@ class StoredLibrary:
         return Motion(np.concatenate(joints)[first - skipped : last - skipped], FPS)
 
     def captions(self, id: int) -> list[Caption]:
-        """What is said of a clip, in the order it was read."""
+        """The captions of a clip, in the order in which they were read."""
         rows = self.connection.execute(
             "SELECT texts.text, captions.start, captions.end FROM captions JOIN texts ON texts.id = captions.text_id "
             "WHERE captions.clip_id = ? ORDER BY captions.id",
@@ -302,7 +323,7 @@ class StoredLibrary:
         return self._galleries.current(WINDOWS, self.connection).search(queries, k, allowed=allowed)
 
     def prepare(self) -> None:
-        """Bring the vector indexes and their files up to date now rather than at the next question."""
+        """Bring the vector indexes and their files up to date now rather than at the next query."""
         for kind in (CLIPS, WINDOWS):
             self._galleries.current(kind, self.connection)
 

@@ -4,54 +4,25 @@ from __future__ import annotations
 
 import os
 import sqlite3
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from datetime import datetime, timezone
-from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING
+from hashlib import blake2b
+from pathlib import Path
 
 from encoders.errors import BundleMismatch, LibraryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
-from indexer.ingest.captions import attach
-from indexer.ingest.encode import Encoded
-from indexer.ingest.scan import File
-from indexer.store import poses, schema
+from indexer.store import captions, clip_vectors, poses, schema
+from indexer.store.captions import CaptionRow
+from indexer.store.clip_vectors import ClipVectors
+from indexer.store.files import ARRAYS_ROOT, FAILED, GONE, INDEXED, ArrayItem, File, FileVersion, KnownFile
 from indexer.store.lock import write_lock
 from indexer.store.read_options import ReadOptions
 
-if TYPE_CHECKING:
-    from indexer.ingest.changes import Changes
-
-INDEXED, FAILED, GONE = "indexed", "failed", "gone"
-
-
-@dataclass(frozen=True)
-class Known:
-    """What the library knows of a file."""
-
-    id: int
-    path: str
-    size: int
-    mtime_ns: int
-    hash: str
-    recipe: ReadOptions
-    state: str
-
-
-@dataclass(frozen=True)
-class FileVersion:
-    """A file's state when it was read: where it lies, what it held, and how it was read."""
-
-    root_id: int
-    file: File
-    hash: str
-    recipe: ReadOptions
-
 
 class Writer:
-    """Changes to a library; made by `writing`."""
+    """Changes to a library; `writing` gives one."""
 
     def __init__(self, folder: Path, connection: sqlite3.Connection) -> None:
         self.folder = folder
@@ -95,8 +66,9 @@ class Writer:
         return model_id
 
     def root(self, path: Path) -> int:
-        """The id of an indexed folder, new or known. One that holds the library is named relative to it,
-        so that both can be moved together.
+        """The id of an indexed folder, new or known.
+
+        One that holds the library is stored relative to it, so that both can be moved together.
 
         Raises
         ------
@@ -108,67 +80,97 @@ class Writer:
         for key, other in self.connection.execute("SELECT id, path FROM roots").fetchall():
             if other == stored:
                 return int(key)
+            if other == ARRAYS_ROOT:
+                continue
             place = (self.folder / other).resolve()
             if place.is_relative_to(path) or path.is_relative_to(place):
                 raise LibraryError(f"{path}: lies inside {place} or around it, which this library indexes already")
         return int(self.connection.execute("INSERT INTO roots(path) VALUES (?)", (stored,)).lastrowid or 0)
+
+    def _arrays_root(self) -> int:
+        """The id of the root of the clips that no file holds."""
+        self.connection.execute("INSERT OR IGNORE INTO roots(path) VALUES (?)", (ARRAYS_ROOT,))
+        row = self.connection.execute("SELECT id FROM roots WHERE path = ?", (ARRAYS_ROOT,)).fetchone()
+        return int(row[0])
 
     def root_path(self, root_id: int) -> Path:
         """Where an indexed folder lies."""
         path: str = self.connection.execute("SELECT path FROM roots WHERE id = ?", (root_id,)).fetchone()[0]
         return (self.folder / path).resolve()
 
-    def known(self, root_id: int) -> dict[str, Known]:
-        """The files of a root that were there last time, by path."""
+    def known(self, root_id: int) -> dict[str, KnownFile]:
+        """The files of a root that were there when it was last indexed, by path."""
         rows = self.connection.execute(
             "SELECT id, path, size, mtime_ns, hash, recipe, state FROM files WHERE root_id = ? AND state != ?",
             (root_id, GONE),
         )
         return {
-            path: Known(file_id, path, size, mtime_ns, digest, ReadOptions.of(recipe), state)
+            path: KnownFile(file_id, path, size, mtime_ns, digest, ReadOptions.of(recipe), state)
             for file_id, path, size, mtime_ns, digest, recipe, state in rows
         }
 
-    def note(self, changes: Changes) -> None:
-        """All changes but those that ask for a file to be read."""
-        for file_id, file in changes.touched:
-            self.connection.execute(
-                "UPDATE files SET size = ?, mtime_ns = ? WHERE id = ?", (file.size, file.mtime_ns, file_id)
-            )
-        for file_id, root_id, file in changes.moved:
-            self.move(file_id, root_id, file)
-        self.gone(known.id for known in changes.gone)
-        for source, reason in changes.unreadable:
-            self.fail(source, reason)
+    def update_time(self, file_id: int, file: File) -> None:
+        """A file has a new time and the old content."""
+        self.connection.execute(
+            "UPDATE files SET size = ?, mtime_ns = ? WHERE id = ?", (file.size, file.mtime_ns, file_id)
+        )
 
     def fail(self, source: FileVersion, reason: str) -> None:
-        """Remember that a file cannot be read; a clip that an earlier version of it gave is gone."""
+        """Record that a file cannot be read; the clip of an earlier version of it is gone."""
         self._retire(source)
         self._insert(source, FAILED, reason)
 
-    def add(self, source: FileVersion, motion: Motion, rig: str, encoded: Encoded, model_id: int) -> int:
-        """A new clip, or the new content of a known one; its id."""
-        clip_id = self._clip(source, motion, rig)
+    def add(self, source: FileVersion, motion: Motion, rig: str, vectors: ClipVectors, model_id: int) -> int:
+        """Store a new clip, or the new content of a known one, with the captions that name its path; its id."""
+        clip_id, is_new = self._clip(source, motion, rig)
+        captions.attach(self.connection, clip_id, source.root_id, source.file.path, is_new=is_new)
+        self._put_content(clip_id, motion, vectors, model_id)
+        return clip_id
+
+    def add_array(
+        self, item: ArrayItem, motion: Motion, rows: Sequence[CaptionRow], vectors: ClipVectors, model_id: int
+    ) -> int:
+        """Store a clip that no file holds, or replace the one of that id, with its captions; the clip's id."""
+        root_id = self._arrays_root()
+        digest = blake2b(motion.joints.tobytes(), digest_size=16, person=b"array").hexdigest()  # never that of a file
+        clip_id, is_new = self._clip(FileVersion(root_id, item, digest, ReadOptions()), motion, "")
+        captions.replace_of_clip(self.connection, root_id, clip_id, rows, is_new=is_new)
+        self._put_content(clip_id, motion, vectors, model_id)
+        return clip_id
+
+    def remove_array(self, id: str) -> bool:
+        """Remove a clip that no file holds, with all that belongs to it; whether there was one of that id.
+
+        Its row stays, as of a file that has vanished, so that vector indexes learn that it went.
+        """
+        row = self.connection.execute(
+            "SELECT clips.id, files.id FROM clips JOIN files ON files.id = clips.file_id "
+            "WHERE files.root_id = ? AND files.path = ? AND files.state = ?",
+            (self._arrays_root(), id, INDEXED),
+        ).fetchone()
+        if row is None:
+            return False
+        clip_id, file_id = row
+        for table in ("captions", "poses", "embeddings", "windows"):
+            self.connection.execute(f"DELETE FROM {table} WHERE clip_id = ?", (clip_id,))
+        self.gone([file_id])
+        return True
+
+    def put_vectors(self, clip_id: int, vectors: ClipVectors, model_id: int) -> None:
+        """Store a clip's vectors under a model."""
+        clip_vectors.insert(self.connection, clip_id, model_id, vectors)
+
+    def _put_content(self, clip_id: int, motion: Motion, vectors: ClipVectors, model_id: int) -> None:
+        """Store poses and vectors in place of what there was."""
         db = self.connection
-        attach(db, clip_id, source.root_id, source.file.path)
         for table in ("poses", "embeddings", "windows"):
             db.execute(f"DELETE FROM {table} WHERE clip_id = ?", (clip_id,))
         chunks = enumerate(poses.pack_all(motion.joints))
         db.executemany("INSERT INTO poses VALUES (?, ?, ?)", [(clip_id, number, data) for number, data in chunks])
-        self.put_vectors(clip_id, encoded, model_id)
-        return clip_id
-
-    def put_vectors(self, clip_id: int, encoded: Encoded, model_id: int) -> None:
-        """A clip's vectors under a model."""
-        db = self.connection
-        db.execute("INSERT INTO embeddings VALUES (?, ?, ?)", (clip_id, model_id, encoded.vector.tobytes()))
-        db.executemany(
-            "INSERT INTO windows VALUES (?, ?, ?, ?, ?)",
-            [(clip_id, model_id, w.length, w.starts.tobytes(), w.vectors.tobytes()) for w in encoded.windows],
-        )
+        self.put_vectors(clip_id, vectors, model_id)
 
     def move(self, file_id: int, root_id: int, file: File) -> None:
-        """A file lies elsewhere now, or is back; its clip with all that belongs to it comes along."""
+        """A file has moved, or is back; its clip keeps all that belongs to it."""
         db = self.connection
         db.execute("DELETE FROM files WHERE root_id = ? AND path = ? AND state = ?", (root_id, file.path, FAILED))
         db.execute(
@@ -177,20 +179,20 @@ class Writer:
         )
         db.execute(
             "UPDATE clips SET name = ?, format = ?, generation = ? WHERE file_id = ?",
-            (*_named(file), self._generation, file_id),
+            (file.name, file.format, self._generation, file_id),
         )
         clip_id = db.execute("SELECT id FROM clips WHERE file_id = ?", (file_id,)).fetchone()[0]
-        attach(db, clip_id, root_id, file.path)
+        captions.attach(db, clip_id, root_id, file.path, is_new=False)
 
     def gone(self, file_ids: Iterable[int]) -> None:
-        """Files have vanished: their clips answer no more, but are kept in case they come back."""
+        """Files have vanished: their clips are no longer found, but kept in case they come back."""
         for file_id in file_ids:
             self.connection.execute("DELETE FROM files WHERE id = ? AND state = ?", (file_id, FAILED))
             self.connection.execute("UPDATE files SET state = ? WHERE id = ?", (GONE, file_id))
             self.connection.execute("UPDATE clips SET generation = ? WHERE file_id = ?", (self._generation, file_id))
 
     def same_content(self, digest: str) -> list[tuple[int, int, str, str, ReadOptions]]:
-        """Indexed or gone files of that content: id, root id, path, state, recipe."""
+        """Indexed or gone files of that content: id, root id, path, state, options."""
         rows = self.connection.execute(
             "SELECT id, root_id, path, state, recipe FROM files WHERE hash = ? AND state != ? ORDER BY id",
             (digest, FAILED),
@@ -198,7 +200,7 @@ class Writer:
         return [(*row[:4], ReadOptions.of(row[4])) for row in rows]
 
     def switch_model(self, model_id: int) -> None:
-        """Answer with the vectors of that model; those of others, and clips that are gone, are dropped."""
+        """Search the vectors of that model from now on; those of others, and clips that are gone, are removed."""
         db = self.connection
         gone = "SELECT clips.id FROM clips JOIN files ON files.id = clips.file_id WHERE files.state = 'gone'"
         db.execute(f"UPDATE captions SET clip_id = NULL WHERE clip_id IN ({gone})")
@@ -211,9 +213,10 @@ class Writer:
         db.execute("DELETE FROM models WHERE id != ?", (model_id,))
         db.execute("INSERT OR REPLACE INTO settings(key, value) VALUES ('model', ?)", (model_id,))
 
-    def _clip(self, source: FileVersion, motion: Motion, rig: str) -> int:
+    def _clip(self, source: FileVersion, motion: Motion, rig: str) -> tuple[int, bool]:
+        """The row of a file's clip, inserted or updated: its id, and whether it is new."""
         db = self.connection
-        values = (*_named(source.file), rig, motion.fps, len(motion), motion.duration, self._generation)
+        values = (source.file.name, source.file.format, rig, motion.fps, len(motion), motion.duration, self._generation)
         row = db.execute(
             "SELECT clips.id, files.id FROM clips JOIN files ON files.id = clips.file_id "
             "WHERE files.root_id = ? AND files.path = ? AND files.state = ?",
@@ -227,17 +230,17 @@ class Writer:
                 "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 (*values, file_id, added),
             )
-            return int(cursor.lastrowid or 0)
+            return int(cursor.lastrowid or 0), True
         db.execute(
             "UPDATE files SET size = ?, mtime_ns = ?, hash = ?, recipe = ? WHERE id = ?",
-            (source.file.size, source.file.mtime_ns, source.hash, source.recipe.text(), row[1]),
+            (source.file.size, source.file.mtime_ns, source.hash, source.options.text(), row[1]),
         )
         db.execute(
             "UPDATE clips SET name = ?, format = ?, rig = ?, fps = ?, frames = ?, duration = ?, generation = ? "
             "WHERE id = ?",
             (*values, row[0]),
         )
-        return int(row[0])
+        return int(row[0]), False
 
     def _insert(self, source: FileVersion, state: str, reason: str | None) -> int:
         db, file = self.connection, source.file
@@ -247,7 +250,7 @@ class Writer:
         cursor = db.execute(
             "INSERT INTO files(root_id, path, size, mtime_ns, hash, recipe, state, reason) "
             "VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
-            (source.root_id, file.path, file.size, file.mtime_ns, source.hash, source.recipe.text(), state, reason),
+            (source.root_id, file.path, file.size, file.mtime_ns, source.hash, source.options.text(), state, reason),
         )
         return int(cursor.lastrowid or 0)
 
@@ -259,14 +262,9 @@ class Writer:
         self.gone(row[0] for row in rows)
 
 
-def _named(file: File) -> tuple[str, str]:
-    path = PurePosixPath(file.path)
-    return path.stem, path.suffix.lower().lstrip(".")
-
-
 @contextmanager
 def writing(folder: Path) -> Iterator[Writer]:
-    """The writer of the library in `folder`, which is made where it is not there.
+    """The writer of the library in `folder`, which is created where there is none.
 
     Raises
     ------

@@ -111,5 +111,5 @@ class AppState:
             return found.source
         source = MotionSource.of_clip(self.library, found)
         # A symbolic link that leads out of the indexed folder is not followed.
-        inside = found.file.resolve().is_relative_to(found.root)
+        inside = found.file is None or found.file.resolve().is_relative_to(found.root)
         return source if inside else dataclasses.replace(source, file=None)

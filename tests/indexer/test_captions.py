@@ -2,7 +2,8 @@
 
 import pytest
 
-from indexer.ingest.caption_files import Row, read_lines, read_table
+from indexer.ingest.caption_files import read_lines, read_table
+from indexer.store.captions import CaptionRow
 
 
 @pytest.fixture
@@ -21,9 +22,9 @@ def test_a_table_names_files_captions_spans_and_frame_rates(table):
         'path,text,start,end,fps\na.bvh,a person walks,,,\nb/c.bvh,"sits down, slowly",1.5,3,\nd.amc,,,,60\n'
     )
     assert rows == [
-        Row("a.bvh", "a person walks"),
-        Row("b/c.bvh", "sits down, slowly", 1.5, 3.0),
-        Row("d.amc", fps=60.0),
+        CaptionRow("a.bvh", "a person walks"),
+        CaptionRow("b/c.bvh", "sits down, slowly", 1.5, 3.0),
+        CaptionRow("d.amc", fps=60.0),
     ]
     assert warnings == []
 
@@ -35,12 +36,12 @@ def test_paths_are_relative_to_the_tables_folder(table):
 
 def test_columns_come_in_any_order_and_others_are_ignored(table):
     rows, _ = table("Text\tactor\tPATH\nwaves\tAnna\ta  b.bvh\n", "captions.tsv")
-    assert rows == [Row("a  b.bvh", "waves")]
+    assert rows == [CaptionRow("a  b.bvh", "waves")]
 
 
 def test_windows_line_ends_a_byte_order_mark_and_umlauts_are_fine(table):
     rows, warnings = table(b"\xef\xbb\xbfpath,text\r\n" + "für Elise.bvh,tänzelt\r\n".encode())
-    assert rows == [Row("für Elise.bvh", "tänzelt")]
+    assert rows == [CaptionRow("für Elise.bvh", "tänzelt")]
     assert warnings == []
 
 
@@ -49,7 +50,7 @@ def test_lines_of_json(table):
         '{"path": "a.bvh", "text": "walks"}\n\n{"path": "a.bvh", "text": "turns", "start": 1, "end": 2.5}\n',
         "captions.jsonl",
     )
-    assert rows == [Row("a.bvh", "walks"), Row("a.bvh", "turns", 1.0, 2.5)]
+    assert rows == [CaptionRow("a.bvh", "walks"), CaptionRow("a.bvh", "turns", 1.0, 2.5)]
     assert warnings == []
 
 

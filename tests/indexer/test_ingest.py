@@ -12,7 +12,7 @@ import pytest
 
 from encoders.errors import BundleMismatch, LibraryError, LibraryLocked
 from encoders.motion import Motion
-from indexer.ingest import captions, indexing
+from indexer.ingest import indexing, side_files
 from indexer.ingest.indexing import index, reencode
 from indexer.ingest.pool import Read
 from indexer.store import read_options
@@ -283,7 +283,7 @@ def test_changed_captions_are_picked_up_without_reading_motions(root, bundle, re
 def test_unchanged_side_files_are_not_opened(root, bundle, monkeypatch):
     (root / "a.txt").write_text("a person walks\n")
     index(root, bundle=bundle)
-    monkeypatch.setattr(captions, "read_lines", lambda *_: pytest.fail("opened"))
+    monkeypatch.setattr(side_files, "read_lines", lambda *_: pytest.fail("opened"))
     index(root, bundle=bundle)
 
 

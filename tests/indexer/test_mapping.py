@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from encoders.errors import UnknownRig, UnreadableMotion
-from indexer.formats.take import Take
 from indexer.rigs.joint_names import understand
 from indexer.rigs.mapping import map_names, map_rig
+from indexer.take import Take
 from tests.indexer.rigs import RIGS, standing, tree
 
 OPTIONAL = ("collar", "toe", "neck", "head")

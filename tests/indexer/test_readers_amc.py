@@ -10,7 +10,7 @@ import pytest
 
 from encoders.errors import UnreadableMotion
 from indexer.formats.table import read_take
-from indexer.formats.take import Take
+from indexer.take import Take
 
 ASF = """# made by a test
 :version 1.10

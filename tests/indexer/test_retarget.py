@@ -16,9 +16,9 @@ from encoders.errors import UnreadableMotion
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS, PARENTS
 from indexer.formats.npy import joints_take
-from indexer.formats.take import Take
 from indexer.ingest.load import load_motion
 from indexer.rigs.retarget import retarget
+from indexer.take import Take
 from tests.indexer.acting import MIRRORED, Z_UP, Performance, bvh, performance
 from tests.indexer.rigs import RIGS, standing, tree
 

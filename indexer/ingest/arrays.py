@@ -1,0 +1,205 @@
+"""A library from arrays: clips that are added and removed by id, without any file.
+
+They lie in a root of their own, `indexer.store.files.ARRAYS_ROOT`, with the id in place of the path. Indexing folders
+into the same library leaves them as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from encoders.errors import ArgumentError, UnknownClip, UnreadableMotion
+from encoders.motion import FPS, Motion
+from encoders.protocol import Encoder
+from indexer.formats.npy import take_of
+from indexer.ingest.caption_files import MAX_TEXT
+from indexer.ingest.encode import encode
+from indexer.ingest.side_files import encode_captions
+from indexer.rigs.retarget import retarget
+from indexer.store.captions import CaptionRow
+from indexer.store.clips import Caption
+from indexer.store.files import ArrayItem
+from indexer.store.writer import Writer, writing
+
+#: Frames (20 a second) and clips in a batch.
+_BATCH_FRAMES, _BATCH_CLIPS = 12_000, 64
+_LONGEST_ID = 500
+
+_Batch: TypeAlias = list[tuple[ArrayItem, list[CaptionRow], Motion]]
+
+
+@dataclass(frozen=True)
+class NewClip:
+    """A clip to add.
+
+    Attributes
+    ----------
+    id : str
+        Its name in the library, such as "walk" or "session_1/walk"; hits give it as their path.
+    motion : Motion or array (T, 22, 3)
+        A `Motion` is stored as it is, at 20 frames a second. An array is joints in SMPL order in any unit and
+        orientation, brought to the target skeleton as a `.npy` file would be.
+    captions : sequence of str or Caption
+        One string is one caption.
+    fps : float, optional
+        Frames a second of an array, 20 if not given; a `Motion` has its own.
+    """
+
+    id: str
+    motion: Motion | ArrayLike
+    captions: str | Caption | Sequence[str | Caption] = ()
+    fps: float | None = None
+
+
+def add(folder: Path, items: Iterable[NewClip], encoder: Encoder) -> list[int]:
+    """Add clips to the library in `folder`, which is created where there is none; their numbers, in order.
+
+    A clip whose id is there already is replaced, with its captions. Clips are committed in batches; where an item is
+    refused, the batches before it stay. A few clips are added all or not at all.
+
+    Raises
+    ------
+    ArgumentError
+        If an id, a caption or a frame rate makes no sense, or an array has another shape or values that are not finite.
+    LibraryLocked
+        If another process is writing the library.
+    LibraryError
+        If the library cannot be written.
+    BundleMismatch
+        If it holds the vectors of another model.
+    """
+    numbers: list[int] = []
+    with writing(folder) as writer:
+        with writer.batch():
+            model_id = writer.use_model(encoder)
+        try:
+            for batch in _batches(items):
+                numbers += _commit(writer, encoder, model_id, batch)
+        finally:
+            encode_captions(writer, encoder, model_id)
+    return numbers
+
+
+def remove(folder: Path, ids: Iterable[str]) -> None:
+    """Remove clips that were added by `add`, with their captions: all of them or none.
+
+    Raises
+    ------
+    UnknownClip
+        If an id names no such clip.
+    LibraryLocked
+        If another process is writing the library.
+    """
+    with writing(folder) as writer, writer.batch():
+        for id in dict.fromkeys(ids):
+            if not writer.remove_array(id):
+                raise UnknownClip(f"{id}: no clip of that id was added to {folder}")
+
+
+def to_motion(motion: Motion | ArrayLike, fps: float | None = None, *, name: str = "the array") -> Motion:
+    """A motion or an array of joints (T, 22, 3) as a motion at 20 frames a second; see `NewClip`.
+
+    Parameters
+    ----------
+    name : str
+        What errors call it.
+
+    Raises
+    ------
+    ArgumentError
+        If the array has another shape, values that are not finite, or the shape of no body; if the frame rate is not
+        a positive number, or given for a `Motion`.
+    """
+    if isinstance(motion, Motion):
+        if fps is not None and fps != motion.fps:
+            raise ArgumentError(
+                f"{name}: fps={fps} is not the motion's own {motion.fps:g}; give fps with an array only"
+            )
+        return motion.resample(FPS)
+    if fps is not None and not _is_rate(fps):
+        raise ArgumentError(f"{name}: fps={fps!r} must be a positive number")
+    try:
+        array = np.asarray(motion, np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{name}: a Motion or an array of joints (T, 22, 3) is needed") from None
+    if array.ndim != 3 or array.shape[1:] != (22, 3) or not len(array) or not np.isfinite(array).all():
+        raise ArgumentError(f"{name}: an array of shape {array.shape} must be finite joints (T, 22, 3) with T >= 1")
+    try:
+        return retarget(take_of(name, array, None if fps is None else float(fps)), path=name)
+    except UnreadableMotion as error:
+        raise ArgumentError(str(error)) from None
+
+
+def _batches(items: Iterable[NewClip]) -> Iterator[_Batch]:
+    batch: _Batch = []
+    for item in items:
+        batch.append((_record(item.id), _rows(item), to_motion(item.motion, item.fps, name=item.id)))
+        if len(batch) >= _BATCH_CLIPS or sum(len(motion) for *_, motion in batch) >= _BATCH_FRAMES:
+            yield batch
+            batch = []
+    if batch:
+        yield batch
+
+
+def _is_rate(fps: Any) -> bool:
+    number = isinstance(fps, (int, float, np.integer, np.floating)) and not isinstance(fps, bool)
+    return number and bool(0 < fps < 1e5)
+
+
+def _record(id: Any) -> ArrayItem:
+    """The record of an id, once that has proved to be one."""
+    if not isinstance(id, str):
+        raise ArgumentError(f"id {id!r} must be a string")
+    is_plain = id == PurePosixPath(id).as_posix() and not {".", ".."} & set(id.split("/"))
+    if not is_plain or id.startswith(("/", "#")) or "\\" in id or "\0" in id:
+        raise ArgumentError(f"id {id!r} must be a path such as 'walk' or 'session_1/walk', and not begin with #")
+    if len(id) > _LONGEST_ID or not _is_utf8(id):
+        raise ArgumentError(f"id {id[:40]!r}... must be at most {_LONGEST_ID} characters of valid Unicode")
+    return ArrayItem(id, 0, 0)
+
+
+def _is_utf8(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _rows(item: NewClip) -> list[CaptionRow]:
+    """The captions of an item, without empty ones and repetitions."""
+    given = [item.captions] if isinstance(item.captions, (str, Caption)) else item.captions
+    try:
+        return list(dict.fromkeys(row for caption in given for row in _row(item.id, caption)))
+    except TypeError:
+        raise ArgumentError(f"{item.id}: captions must be strings or Captions, not {item.captions!r}") from None
+
+
+def _row(id: str, given: Any) -> Iterator[CaptionRow]:
+    caption = Caption(given) if isinstance(given, str) else given
+    if not isinstance(caption, Caption) or not isinstance(caption.text, str):
+        raise ArgumentError(f"{id}: captions must be strings or Captions, not {given!r}")
+    text = " ".join(caption.text.split())
+    if len(text) > MAX_TEXT or not _is_utf8(text):
+        raise ArgumentError(f"{id}: a caption must be at most {MAX_TEXT} characters of valid Unicode")
+    start, end = caption.start, caption.end
+    if (start is None) != (end is None) or (start is not None and end is not None and not 0 <= start < end):
+        raise ArgumentError(f"{id}: a caption's start={start} and end={end} must be seconds, the end after the start")
+    if text:
+        yield CaptionRow(id, text, None if start is None else float(start), None if end is None else float(end))
+
+
+def _commit(writer: Writer, encoder: Encoder, model_id: int, batch: _Batch) -> list[int]:
+    """Encode and store a batch as one transaction; the numbers of its clips."""
+    vectors = encode(encoder, [motion for *_, motion in batch])
+    with writer.batch():
+        return [
+            writer.add_array(record, motion, rows, encoded, model_id)
+            for (record, rows, motion), encoded in zip(batch, vectors, strict=True)
+        ]

@@ -1,0 +1,184 @@
+"""A library from arrays: added, replaced, removed, and left alone by the indexing of folders."""
+
+import numpy as np
+import pytest
+
+from encoders.errors import ArgumentError, BundleMismatch, LibraryLocked, UnknownClip
+from encoders.motion import Motion
+from indexer.ingest.arrays import NewClip, add, remove, to_motion
+from indexer.ingest.indexing import index
+from indexer.ingest.load import load_motion
+from indexer.ingest.reencode import reencode
+from indexer.store.clips import Caption
+from indexer.store.lock import write_lock
+from indexer.store.stored_library import FOLDER, StoredLibrary
+from tests.indexer.folders import SmallBundle, moving, write
+
+
+@pytest.fixture
+def bundle():
+    return SmallBundle()
+
+
+@pytest.fixture
+def place(tmp_path):
+    return tmp_path / "library"
+
+
+def motion(seed, seconds=4.0):
+    return Motion(moving(seed, seconds).astype(np.float32))
+
+
+def test_clips_are_added_without_files_and_found(place, bundle):
+    numbers = add(
+        place,
+        [
+            NewClip("walk", motion(1), "a person walks"),
+            NewClip("day 1/turn.v2", motion(2), ["turns", Caption("turns left", 1, 2), "turns", " "]),
+        ],
+        bundle,
+    )
+    with StoredLibrary.open(place, bundle=bundle) as library:
+        clips = library.clips(numbers)
+        walk, turn = clips[numbers[0]], clips[numbers[1]]
+        assert (walk.path, walk.name, walk.format, walk.file, walk.frames) == ("walk", "walk", "array", None, 80)
+        assert (turn.path, turn.name) == ("day 1/turn.v2", "turn.v2")
+        assert library.find("day 1/turn.v2") == turn
+        assert library.find("turn.v2") == turn
+        assert library.captions(turn.id) == [Caption("turns"), Caption("turns left", 1.0, 2.0)]
+        assert library.roots == []
+        assert library.stats()["formats"] == {"array": 2}
+        np.testing.assert_allclose(library.motion(walk.id).joints, motion(1).joints, atol=2e-4)
+        assert library.nearest_clips(bundle.encode_motions([motion(2)]), 1)[1].item() == turn.id
+        texts, owners, vectors = library.caption_vectors()
+        assert sorted(zip(owners.tolist(), texts, strict=True)) == [
+            (walk.id, "a person walks"),
+            (turn.id, "turns"),
+            (turn.id, "turns left"),
+        ]
+        np.testing.assert_allclose(vectors, bundle.encode_texts(texts), atol=1e-3)
+
+
+def test_an_array_is_read_as_a_file_of_it_would_be(tmp_path):
+    path = tmp_path / "a.npy"
+    joints = moving(3, fps=30) * 100  # centimetres
+    np.save(path, joints)
+    np.testing.assert_array_equal(to_motion(joints, 30).joints, load_motion(path, fps=30).joints)
+    np.testing.assert_array_equal(to_motion(moving(3).tolist()).joints, to_motion(moving(3)).joints)
+
+
+def test_a_motion_is_taken_as_it_is_at_twenty_frames_a_second():
+    given = Motion(moving(1, fps=40), 40)
+    taken = to_motion(given)
+    assert taken.fps == 20
+    np.testing.assert_array_equal(taken.joints, given.resample(20).joints)
+
+
+def test_an_id_given_again_replaces_the_clip_and_its_captions(place, bundle):
+    (first,) = add(place, [NewClip("a", motion(1), "walks")], bundle)
+    with StoredLibrary.open(place, bundle=bundle) as library:
+        assert library.nearest_clips(bundle.encode_motions([motion(1)]), 1)[0].item() > 0.999
+        before = library.captions_generation
+        assert add(place, [NewClip("a", motion(2), "sits")], bundle) == [first]
+        assert library.captions(first) == [Caption("sits")]
+        assert library.captions_generation > before
+        assert len(library) == 1
+        scores, found = library.nearest_clips(bundle.encode_motions([motion(2)]), 2)
+        assert found.tolist() == [[first, -1]]
+        assert scores[0, 0] > 0.999
+
+
+def test_removed_clips_are_found_no_more_and_their_ids_are_free_again(place, bundle):
+    first, second = add(place, [NewClip("a", motion(1), "walks"), NewClip("b", motion(2))], bundle)
+    with StoredLibrary.open(place, bundle=bundle) as library:
+        assert set(library.nearest_clips(np.ones((1, 16), np.float32), 2)[1][0].tolist()) == {first, second}
+        remove(place, ["a"])
+        assert library.nearest_clips(np.ones((1, 16), np.float32), 2)[1].tolist() == [[second, -1]]
+        assert library.caption_vectors()[0] == []
+        with pytest.raises(UnknownClip):
+            library.find("a")
+        (again,) = add(place, [NewClip("a", motion(3))], bundle)
+        assert again not in (first, second)
+        assert library.find("a").id == again
+
+
+def test_clips_are_removed_all_or_not_at_all(place, bundle):
+    add(place, [NewClip("a", motion(1)), NewClip("b", motion(2))], bundle)
+    with pytest.raises(UnknownClip, match="nothing: no clip of that id"):
+        remove(place, ["a", "nothing", "b"])
+    with StoredLibrary.open(place) as library:
+        assert len(library) == 2
+
+
+def test_folders_are_indexed_into_the_same_library_and_arrays_stay(tmp_path, bundle):
+    root = tmp_path / "takes"
+    write(root / "file.npy", 1)
+    place = root / FOLDER
+    (number,) = add(place, [NewClip("file.npy", motion(2), "walks")], bundle)
+    for _ in range(2):
+        summary = index(root, bundle=bundle, jobs=1)
+        assert (summary.gone, summary.failed, summary.warnings) == (0, [], [])
+        with StoredLibrary.open(place, bundle=bundle) as library:
+            assert library.roots == [root]
+            assert [clip.root.name for clip in library.all_clips()] == ["arrays", "takes"]
+            assert library.captions(number) == [Caption("walks")]
+    index([], library=place, bundle=bundle)  # the folders it has
+    assert reencode(place, SmallBundle("other")) == 2
+    with StoredLibrary.open(place) as library:
+        assert len(library) == 2
+
+
+def test_batches_are_committed_as_they_fill(place, bundle, monkeypatch):
+    def items():
+        yield from (NewClip(f"{i}", motion(i, 400.0)) for i in range(2))
+        with StoredLibrary.open(place) as library:
+            assert len(library) == 2
+        yield NewClip("", motion(9))
+
+    with pytest.raises(ArgumentError, match="id ''"):
+        add(place, items(), bundle)
+    with StoredLibrary.open(place) as library:
+        assert [clip.path for clip in library.all_clips()] == ["0", "1"]
+
+
+@pytest.mark.parametrize(
+    ("item", "reason"),
+    [
+        (NewClip("/abs", motion(1)), "id '/abs' must be a path"),
+        (NewClip("#3", motion(1)), "not begin with #"),
+        (NewClip("a/../b", motion(1)), "must be a path"),
+        (NewClip("a//b", motion(1)), "must be a path"),
+        (NewClip(7, motion(1)), "id 7 must be a string"),
+        (NewClip("\ud800", motion(1)), "valid Unicode"),
+        (NewClip("a", np.zeros((4, 21, 3))), r"a: an array of shape \(4, 21, 3\)"),
+        (NewClip("a", np.full((4, 22, 3), np.nan)), "must be finite"),
+        (NewClip("a", np.zeros((4, 22, 3))), "a: .* same place"),
+        (NewClip("a", "walk.bvh"), "a Motion or an array"),
+        (NewClip("a", moving(1), fps=float("nan")), "fps=nan"),
+        (NewClip("a", moving(1), fps="20"), "fps='20'"),
+        (NewClip("a", motion(1), fps=30), "not the motion's own 20"),
+        (NewClip("a", motion(1), captions=[3]), "captions must be strings"),
+        (NewClip("a", motion(1), captions=3), "captions must be strings"),
+        (NewClip("a", motion(1), captions="x" * 3000), "at most 2000 characters"),
+        (NewClip("a", motion(1), captions=Caption("walks", 2, 1)), "start=2 and end=1"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_and_nothing_is_added(place, bundle, item, reason):
+    with pytest.raises(ArgumentError, match=reason):
+        add(place, [NewClip("good", motion(1)), item], bundle)
+    with StoredLibrary.open(place) as library:
+        assert len(library) == 0
+
+
+def test_a_library_of_another_model_or_one_being_written_is_refused(place, bundle):
+    add(place, [NewClip("a", motion(1))], bundle)
+    with pytest.raises(BundleMismatch):
+        add(place, [NewClip("b", motion(2))], SmallBundle("other"))
+    with write_lock(place), pytest.raises(LibraryLocked):
+        remove(place, ["a"])
+
+
+def test_all_clips_come_in_order_of_their_numbers(place, bundle):
+    numbers = add(place, [NewClip(f"clip {i}", motion(i, 0.5)) for i in range(70)], bundle)
+    with StoredLibrary.open(place) as library:
+        assert [clip.id for clip in library.all_clips()] == sorted(numbers)
