@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle.windows import ends_of
-from indexer.vectors.files import load, save
 from indexer.vectors.flat import LOOSE, LOOSE_WHERE_SETTLED, FlatVectors, Rows
+from indexer.vectors.index_files import load, save
 
 
 @dataclass(frozen=True)

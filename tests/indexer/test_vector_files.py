@@ -6,8 +6,8 @@ import shutil
 import numpy as np
 import pytest
 
-from indexer.vectors.files import load, save
 from indexer.vectors.flat import FlatVectors
+from indexer.vectors.index_files import load, save
 from tests.indexer.test_vectors import SIZE, plainly, queries, rows
 
 
