@@ -34,28 +34,19 @@ _POLL_SECONDS = 0.5
 #: By how much a score may differ between two orders of summation.
 _ROUNDING = 1e-5
 _CHANGED = "SELECT id FROM clips WHERE generation > ?"
-# A checksum: each caption hashed to a number, so that exchanging anything between two of them changes the sum. The
-# LIMIT keeps SQLite from computing each number twice.
-_CHECKSUM_OF = (
-    "SELECT count(*), total(mixed * mixed % 2147483629) FROM (SELECT (id * 31 + clip_id * 1000003 + "
-    "coalesce(text_id, 0) * 10007 + CAST(coalesce(captions.start, -1) * 1000 AS INT) * 101 + "
-    "CAST(coalesce(captions.end, -1) * 1000 AS INT) * 211) % 2147483647 AS mixed FROM captions WHERE {} LIMIT -1)"
-)
-_CHECKSUM = _CHECKSUM_OF.format("clip_id IS NOT NULL")
-_CHECKSUM_BEFORE = _CHECKSUM_OF.format(f"clip_id NOT IN ({_CHANGED})")
 _NEWEST = "SELECT coalesce(max(id), 0) FROM clips WHERE generation <= ?"
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The indexes of one generation, the number of clips, the highest clip id, and a checksum of all captions."""
+    """The indexes of one generation, the number of clips, the highest clip id, and the captions' generation."""
 
     generation: int
     clips: FlatVectors
     windows: FlatVectors
     count: int
     newest: int
-    captions: tuple[float, ...]
+    captions: int
 
 
 @dataclass(frozen=True)
@@ -142,7 +133,7 @@ class SnapshotLibrary(Library):
     def _invalidate_answers(self, generation: int) -> None:
         """Drop the cached answers that may be stale in this generation."""
         before, connection = self._snapshot, self.connection
-        if connection.execute(_CHECKSUM_BEFORE, (before.generation,)).fetchone() != before.captions:
+        if self.captions_generation > before.generation:
             self.answer_cache.clear(generation)  # a caption in an answer may have changed
             return
         if any(id <= before.newest for (id,) in connection.execute(_CHANGED, (before.generation,))):
@@ -158,10 +149,9 @@ class SnapshotLibrary(Library):
 
     def _take_snapshot(self) -> Snapshot:
         clips, windows = (self._galleries.current(kind, self.connection, often=True) for kind in (CLIPS, WINDOWS))
-        captions = self.connection.execute(_CHECKSUM).fetchone()
         generation = min(clips.generation, windows.generation)
         (newest,) = self.connection.execute(_NEWEST, (generation,)).fetchone()
-        return Snapshot(generation, clips, windows, len(clips), newest, captions)
+        return Snapshot(generation, clips, windows, len(clips), newest, self.captions_generation)
 
     def _watch(self) -> None:
         while not self._stop.wait(_POLL_SECONDS):
