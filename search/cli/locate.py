@@ -1,4 +1,4 @@
-"""Which library a command means."""
+"""Locating the library of a command."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ VARIABLE = "MOTIONSEEK_LIBRARY"
 
 
 def locate(given: str | os.PathLike[str] | None = None, *, start: Path | None = None) -> Path:
-    """The library's folder: the one given, that of MOTIONSEEK_LIBRARY, or the nearest `.motionseek` upward.
+    """The library's folder: `given`, else MOTIONSEEK_LIBRARY, else the folder at or above `start` with a `.motionseek`.
 
     Raises
     ------
@@ -27,6 +27,6 @@ def locate(given: str | os.PathLike[str] | None = None, *, start: Path | None = 
         if (folder / FOLDER).is_dir():
             return folder
     raise LibraryNotFound(
-        f"no library in {here} or above it; make one with 'motionseek index FOLDER', "
-        f"or name one with --library or {VARIABLE}"
+        f"no library in {here} or its parent folders; create one with 'motionseek index FOLDER', "
+        f"or give one with --library or {VARIABLE}"
     )

@@ -1,6 +1,6 @@
-"""The command line: find the command, run it, turn errors into one line and an exit code.
+"""The entry point: runs a command and turns exceptions into one line on stderr and an exit code.
 
-0 done, 1 the work failed, 2 wrong usage, 130 interrupted.
+Exit codes: 0 success, 1 failure, 2 wrong usage, 130 interrupted, 141 broken pipe.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from importlib import import_module
 
 import click
 
-from encoders.errors import MissingProgram, MotionSeekError, QueryError
+from encoders.errors import MotionSeekError, QueryError
 
-#: Command -> the module that holds it, in the order help lists them; imported when asked for.
+#: Command -> its module, which is imported when the command is run; --help lists them in this order.
 COMMANDS = {
     "index": "search.cli.commands.index",
     "search": "search.cli.commands.search",
@@ -27,6 +27,7 @@ COMMANDS = {
     "render": "search.cli.commands.render",
     "serve": "search.cli.commands.serve",
     "status": "search.cli.commands.status",
+    "list": "search.cli.commands.list",
     "evaluate": "search.cli.commands.evaluate",
     "model": "search.cli.commands.model",
     "demo": "search.cli.commands.demo",
@@ -34,7 +35,7 @@ COMMANDS = {
 
 
 class Commands(click.Group):
-    """Commands that are imported when they are needed, with suggestions for a mistyped one."""
+    """A group that imports its commands lazily and suggests one for a mistyped name."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -58,9 +59,9 @@ class Commands(click.Group):
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package_name="motionseek", message="%(prog)s %(version)s")
-@click.option("--debug", is_flag=True, help="Show the full traceback of an error.")
+@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
 def cli(debug: bool) -> None:
-    """The search engine for human motion: ask a folder of motion capture in a sentence.
+    """The search engine for human motion: search motion capture by describing it in words.
 
     \b
     Examples:
@@ -79,16 +80,16 @@ def main(arguments: list[str] | None = None) -> None:
         code = _run([a for a in given if a != "--debug"], debug="--debug" in given)
         sys.stdout.flush()
     except BrokenPipeError:
-        # The reader has gone; point stdout away so that the interpreter's own flush stays quiet too.
+        # The reader closed the pipe; redirect stdout so that the interpreter's last flush raises nothing, either.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 141
     sys.exit(code)
 
 
 def _run(arguments: list[str], *, debug: bool) -> int:
-    """Run a command; the exit code. With `debug`, errors come through as they are."""
+    """Run a command; returns the exit code. With `debug`, exceptions propagate."""
     try:
-        # Not cli.main, which prints errors its own way and calls a reader that goes away a failure.
+        # Not cli.main: it has its own format for errors and treats a broken pipe as a failure.
         with cli.make_context("motionseek", arguments) as ctx:
             code = cli.invoke(ctx)
         return code if isinstance(code, int) else 0
@@ -100,37 +101,35 @@ def _run(arguments: list[str], *, debug: bool) -> int:
     except BrokenPipeError:
         raise
     except (KeyboardInterrupt, click.Abort):
-        return _complain("motionseek: interrupted", 130)
+        return _fail("motionseek: interrupted", 130)
     except click.ClickException as error:
-        return _complain(_usage_line(error), error.exit_code)
+        return _fail(_usage_line(error), error.exit_code)
     except Exception as error:
         if debug:
             raise
         if isinstance(error, (MotionSeekError, OSError)):
-            return _complain(
-                f"motionseek: {_one_line(error)}", 2 if isinstance(error, (QueryError, MissingProgram)) else 1
-            )
+            return _fail(f"motionseek: {_one_line(error)}", 2 if isinstance(error, QueryError) else 1)
         named = f"unexpected {type(error).__name__}: {_one_line(error)}"
-        return _complain(f"motionseek: {named}; run again with --debug and report what it prints", 1)
+        return _fail(f"motionseek: {named}; run again with --debug and report the traceback", 1)
 
 
-def _complain(line: str, code: int) -> int:
+def _fail(line: str, code: int) -> int:
     click.echo(line, err=True)
     return code
 
 
 def _open_streams() -> None:
-    """Give a process that was started without stdout or stderr some, and print names that an encoding lacks."""
+    """Replace missing standard streams, and escape characters that their encoding lacks."""
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:
-            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - until the process ends
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115  open until the process ends
         elif isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
 
 
 def _usage_line(error: click.ClickException) -> str:
-    """One line; where the command was used wrongly, it names the help."""
+    """The error in one line; a usage error refers to --help."""
     ctx = getattr(error, "ctx", None)
     command = ctx.command_path if ctx else "motionseek"
     message = _one_line(error.format_message()).rstrip(".")

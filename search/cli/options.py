@@ -18,40 +18,50 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-as_json = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
-force = click.option("--force", is_flag=True, help="Overwrite a file that exists.")
-hits = click.option("-k", "k", type=click.IntRange(1, 10_000), default=10, show_default=True, help="At most so many.")
+as_json = click.option("--json", "as_json", is_flag=True, help="Print the result as one JSON document.")
+force = click.option("--force", is_flag=True, help="Overwrite an existing file.")
+hits = click.option(
+    "-k",
+    "k",
+    metavar="N",
+    type=click.IntRange(1, 10_000),
+    default=10,
+    show_default=True,
+    help="Maximum number of hits.",
+)
 library = click.option(
     "--library",
     "folder",
     type=click.Path(exists=True, file_okay=False),
-    help="The library; else MOTIONSEEK_LIBRARY, else the nearest .motionseek upward from here.",
+    help="Library folder. [default: MOTIONSEEK_LIBRARY, or the nearest .motionseek here or in a parent folder]",
 )
-start = click.option("--start", type=click.FloatRange(min=0), help="Begin at this second.")
+start = click.option("--start", type=click.FloatRange(min=0), help="Start of the span in seconds.")
 fps = click.option(
-    "--fps", type=click.FloatRange(1, 10_000), help="True frame rate of the file, over what it says or was indexed at."
+    "--fps",
+    type=click.FloatRange(1, 10_000),
+    help="Frame rate of the file, overriding the one it states or was indexed with.",
 )
-end = click.option("--end", type=click.FloatRange(min=0), help="End at this second.")
+end = click.option("--end", type=click.FloatRange(min=0), help="End of the span in seconds.")
 
 _FILTERS = (
-    click.option("--min-duration", type=click.FloatRange(min=0), help="Only clips of at least so many seconds."),
-    click.option("--max-duration", type=click.FloatRange(min=0), help="Only clips of at most so many seconds."),
-    click.option("--path", metavar="PATTERN", help="Only clips whose path matches, such as 'fights/*'."),
-    click.option("--rig", metavar="NAME", help="Only clips of this rig."),
+    click.option("--min-duration", type=click.FloatRange(min=0), metavar="S", help="Only clips of at least S seconds."),
+    click.option("--max-duration", type=click.FloatRange(min=0), metavar="S", help="Only clips of at most S seconds."),
+    click.option("--path", metavar="PATTERN", help="Only clips whose path matches a glob, such as 'fights/*'."),
+    click.option("--rig", metavar="NAME", help="Only clips with this rig."),
     click.option("--format", metavar="NAME", help="Only clips of this file format."),
-    click.option("--captioned/--uncaptioned", default=None, help="Only clips with a caption, or without."),
+    click.option("--captioned/--uncaptioned", default=None, help="Only clips with captions, or without."),
 )
 
 
 def filters(command: F) -> F:
-    """The options that choose which clips are asked."""
+    """Adds the options that filter clips."""
     for option in reversed(_FILTERS):
         command = option(command)
     return command
 
 
 def open_library(folder: str | None) -> Library:
-    """The library a command means, open."""
+    """Open the library of a command; see `search.cli.locate.locate`."""
     from search.cli.locate import locate
     from search.library import Library
 
@@ -62,9 +72,9 @@ def open_library(folder: str | None) -> Library:
 def open_source(
     ref: str, folder: str | None, *, fps: float | None = None
 ) -> Iterator[tuple[Encoder, MotionSource, Library | None]]:
-    """The model, the file or clip a command means, and the library; None where a file is asked about without one.
+    """The model, the motion that `ref` names, and the library, None for a file without one.
 
-    Where no library is named or found from here upward, a file is asked about with the one it lies in.
+    Where no library is given or found, that of the folder that holds the file is used.
     """
     from encoders.bundle.bundle import Bundle
     from encoders.errors import LibraryError
@@ -86,7 +96,7 @@ def open_source(
 
 
 def _library_around(file: Path) -> Library | None:
-    """The library that a file lies in, where it is one of the model at hand."""
+    """The library of the folder that holds a file; None where there is none or it was made with another model."""
     from encoders.errors import BundleMismatch, LibraryError
     from search.cli.locate import locate
     from search.library import Library
@@ -98,7 +108,7 @@ def _library_around(file: Path) -> Library | None:
     except LibraryError:
         return None
     try:
-        library.bundle  # noqa: B018  raises where the library is of another model
+        library.bundle  # noqa: B018  raises BundleMismatch
     except BundleMismatch:
         library.close()
         return None
@@ -106,19 +116,19 @@ def _library_around(file: Path) -> Library | None:
 
 
 def read_object(path: Path) -> dict[str, Any]:
-    """The JSON object that a file holds."""
+    """Read a file that holds one JSON object."""
     try:
         content = json.loads(path.read_text("utf-8-sig"))
     except (ValueError, OSError) as error:
-        raise click.ClickException(f"{path} is no JSON file: {error}") from None
+        raise click.ClickException(f"{path}: invalid JSON: {error}") from None
     if not isinstance(content, dict):
-        raise click.ClickException(f'{path} must hold one JSON object, {{"name": value, ...}}')
+        raise click.ClickException(f'{path}: expected one JSON object, {{"name": value, ...}}')
     return content
 
 
 def refuse_overwriting(path: Path, force: bool) -> None:
-    """Stop before anything is done where a file would be lost."""
+    """Raise where an existing file would be overwritten, before any work is done."""
     if path.exists() and not force:
-        raise click.ClickException(f"{path} exists; overwrite it with --force")
+        raise click.ClickException(f"{path} exists; use --force to overwrite it")
     if not path.absolute().parent.is_dir():
-        raise click.ClickException(f"{path}: there is no folder {path.absolute().parent}; make it first")
+        raise click.ClickException(f"{path}: no folder {path.absolute().parent}; create it first")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from search.hits import Hit
+    from search.library import Library
     from search.query.question import Question
 
     Curve = tuple[NDArray[np.float64], NDArray[np.float32]]
@@ -167,3 +168,12 @@ def answer(
     steps = [(str(h.rank), f"{s.score:.3f}", f"{s.start:.1f}", f"{s.end:.1f}", s.text) for h in found for s in h.steps]
     if steps:
         table(("", "score", "start", "end", "step"), steps, right=("", "score", "start", "end"))
+
+
+def no_clips(library: Library, filters: Mapping[str, Any]) -> str:
+    """Why there are no clips to show."""
+    if len(library) == 0:
+        return "the library is empty; put motion files into its folder and run 'motionseek index' again"
+    if any(value is not None for value in filters.values()):
+        return "no clip passes the filters"
+    return "nothing found"

@@ -1,4 +1,4 @@
-"""`motionseek export`: a cut as a file."""
+"""`motionseek export`: a clip, or a span of it, as a motion file."""
 
 from __future__ import annotations
 
@@ -20,10 +20,11 @@ from search.cli import options
 def export(
     ref: str, out: Path, start: float | None, end: float | None, force: bool, folder: str | None, as_json: bool
 ) -> None:
-    """Write CLIP, or the cut of it from --start to --end, to OUT (.bvh, .npz or .npy).
+    """Export CLIP, or a span of it, to a motion file.
 
-    A .bvh cut of a .bvh file keeps its rig, its frame rate and its numbers; any other becomes the 22-joint rig at 20
-    frames a second. .npz and .npy hold the 22 joints in metres, Y up.
+    OUT is a .bvh, .npz or .npy file. CLIP is a file, or a clip of the library by path, name or number. A .bvh span of a
+    .bvh file keeps rig, frame rate and values; anything else is written with the 22-joint skeleton at 20 fps. .npz and
+    .npy hold joint positions in metres, Y up.
 
     \b
     Examples:
@@ -34,13 +35,13 @@ def export(
     from search.export.cut import WRITERS, write_cut
 
     if out.suffix.lower() not in WRITERS:
-        raise click.UsageError(f"{out}: can write {', '.join(WRITERS)}")
+        raise click.UsageError(f"{out}: unsupported format; use {', '.join(WRITERS)}")
     options.refuse_overwriting(out, force)
     with options.open_source(ref, folder) as (_, source, _library):
         if source.file is not None and out.exists() and out.samefile(source.file):
-            raise click.UsageError(f"{out} is the clip itself; name another file, its source would be lost")
+            raise click.UsageError(f"{out} is the source file of the clip; choose another file")
         frames, fps = write_cut(source, out, start, end)
     if as_json:
         terminal.document({"path": str(out), "source": source.path, "frames": frames, "fps": round(fps, 4)})
     else:
-        print(f"{out}: {frames} {'frame' if frames == 1 else 'frames'} at {fps:g} a second")
+        print(f"{out}: {frames} {'frame' if frames == 1 else 'frames'} at {fps:g} fps")

@@ -1,4 +1,4 @@
-"""`motionseek index`: a folder becomes a library."""
+"""`motionseek index`: motion files become a library."""
 
 from __future__ import annotations
 
@@ -20,16 +20,18 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("folders", metavar="FOLDER...", nargs=-1, required=True)
-@click.option("--library", "library", type=click.Path(file_okay=False), help="Keep the library here, not in FOLDER.")
-@click.option("--jobs", type=click.IntRange(1, 256), help="Processes that read files; one a core if not given.")
-@click.option("--fps", type=click.FloatRange(1, 10_000), help="Frame rate of files that name none or a wrong one.")
+@click.option(
+    "--library", "library", type=click.Path(file_okay=False), help="Store the library here instead of in FOLDER."
+)
+@click.option("--jobs", type=click.IntRange(1, 256), help="Number of reading processes. [default: one per core]")
+@click.option("--fps", type=click.FloatRange(1, 10_000), help="Frame rate of files that state none or a wrong one.")
 @click.option(
     "--joint-map",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
-    help='JSON file, {"left_wrist": "name in the rig", ...}, for rigs that are not recognised.',
+    help='JSON file {"left_wrist": "joint of the rig", ...} for rigs that are not recognised.',
 )
-@click.option("--rebuild", is_flag=True, help="Encode everything again, as after a change of the model.")
-@click.option("--retry", is_flag=True, help="Read files again that failed before.")
+@click.option("--rebuild", is_flag=True, help="Encode all clips again, for example with a new model.")
+@click.option("--retry", is_flag=True, help="Read files that failed before again.")
 @options.as_json
 def index(
     folders: tuple[str, ...],
@@ -41,10 +43,11 @@ def index(
     retry: bool,
     as_json: bool,
 ) -> int:
-    """Index the motion files in FOLDER and below; run again, and only what changed is read.
+    """Index the motion files in FOLDER, or update its index.
 
-    Captions are taken from a .txt file of the same name and from captions.csv, .tsv or .jsonl in FOLDER. Exits with 1
-    if a file that is new or has changed could not be read; the others are indexed all the same.
+    Subfolders are included; files that have not changed are skipped. Captions are read from a .txt file of the same
+    name and from captions.csv, .tsv or .jsonl in FOLDER. The exit code is 1 if a new or changed file could not be read;
+    all others are indexed.
 
     \b
     Examples:
@@ -60,10 +63,10 @@ def index(
 
     for folder in folders:
         if Path(folder).is_file():
-            raise click.UsageError(f"{folder} is a file; index its folder, or ask about it as it is: describe {folder}")
+            raise click.UsageError(f"{folder} is a file; index its folder, or run 'motionseek describe {folder}'")
         if not Path(folder).is_dir():
-            raise click.UsageError(f"there is no folder {folder}")
-    _give_way()
+            raise click.UsageError(f"no folder {folder}")
+    _lower_priority()
     library = library or os.environ.get(VARIABLE)
     names = read_joint_map(joint_map) if joint_map else None
     place = Path(library or Path(folders[0]) / FOLDER)
@@ -81,28 +84,30 @@ def index(
     return 130 if summary.interrupted else int(bool(summary.failed))
 
 
-def _give_way() -> None:
-    """Run at low priority, so that a server or an editor on the same machine comes first."""
+def _lower_priority() -> None:
+    """Lower the priority of this process, so that interactive programs and servers on the machine stay responsive."""
     if hasattr(os, "setpriority"):
         os.setpriority(os.PRIO_PROCESS, 0, max(10, os.getpriority(os.PRIO_PROCESS, 0)))
 
 
 def read_joint_map(path: Path) -> dict[str, str]:
-    """Target joint -> joint name in the rig, from a JSON file."""
+    """Read a joint map from a JSON file: target joint -> joint of the rig."""
     from encoders.skeleton import JOINTS
 
     names = options.read_object(path)
     if not all(isinstance(name, str) for name in names.values()):
-        raise click.ClickException(f'{path} must hold names of joints, such as {{"left_wrist": "LeftHand"}}')
+        raise click.ClickException(f'{path}: values must be joint names, such as {{"left_wrist": "LeftHand"}}')
     unknown = sorted(set(names) - set(JOINTS))
     if unknown:
-        raise click.ClickException(f"{path}: no target joint {', '.join(unknown)}; there are {', '.join(JOINTS)}")
+        raise click.ClickException(
+            f"{path}: unknown target joint {', '.join(unknown)}; the target joints are {', '.join(JOINTS)}"
+        )
     return names
 
 
 @contextmanager
 def progress_bar() -> Iterator[Callable[[int, int, str], None]]:
-    """A bar with rate and time left on a terminal; nothing elsewhere."""
+    """A progress bar with rate and remaining time; invisible unless stderr is a terminal."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -119,7 +124,7 @@ def progress_bar() -> Iterator[Callable[[int, int, str], None]]:
 
 
 def report(summary: Summary, place: str) -> None:
-    """Print what a run did to the library of `place`: failures and warnings on stderr, the sum on stdout."""
+    """Print the summary of a run on stdout, failures and warnings on stderr; `place` names the library."""
     from search.cli import terminal
 
     for path, reason in summary.failed:
@@ -128,9 +133,9 @@ def report(summary: Summary, place: str) -> None:
         terminal.note(f"warning: {warning}")
     if summary.failed_before:
         files = "1 file" if summary.failed_before == 1 else f"{summary.failed_before} files"
-        terminal.note(f"{files} still cannot be read; why: motionseek status --failed {shlex.quote(place)}")
+        terminal.note(f"{files} failed before; to see why, run: motionseek status --failed {shlex.quote(place)}")
     if summary.interrupted:
-        terminal.note("interrupted: what was read is kept; run it again to go on")
+        terminal.note("interrupted; run the command again to continue")
     counts = {
         "indexed": summary.indexed,
         "unchanged": summary.unchanged,

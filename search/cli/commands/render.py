@@ -1,4 +1,4 @@
-"""`motionseek render`: a motion as a picture or an animation."""
+"""`motionseek render`: a motion as an image or an animation."""
 
 from __future__ import annotations
 
@@ -14,10 +14,8 @@ from search.cli import options
 @click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
 @options.start
 @options.end
-@click.option("--size", type=click.IntRange(64, 2160), default=480, show_default=True, help="Height in pixels.")
-@click.option(
-    "--fps", type=click.FloatRange(1, 60), default=20, show_default=True, help="Frames a second, if it moves."
-)
+@click.option("--size", type=click.IntRange(64, 2160), default=480, show_default=True, help="Image height in pixels.")
+@click.option("--fps", type=click.FloatRange(1, 60), default=20, show_default=True, help="Frame rate of an animation.")
 @options.force
 @options.library
 @options.as_json
@@ -32,10 +30,10 @@ def render(
     folder: str | None,
     as_json: bool,
 ) -> None:
-    """Draw CLIP, or the cut of it from --start to --end, to OUT.
+    """Render CLIP, or a span of it, to an image file.
 
-    .png is a strip of poses over time, .gif and .mp4 show the figure moving. An .mp4 needs ffmpeg, or
-    pip install imageio-ffmpeg.
+    OUT is a .png, .gif or .mp4 file. CLIP is a file, or a clip of the library by path, name or number. A .png shows
+    poses side by side, .gif and .mp4 are animations. For .mp4, install ffmpeg or run pip install imageio-ffmpeg.
 
     \b
     Examples:
@@ -47,7 +45,7 @@ def render(
     from search.drawing.film import WRITERS, write_picture
 
     if out.suffix.lower() not in WRITERS:
-        raise click.UsageError(f"{out}: can draw {', '.join(WRITERS)}")
+        raise click.UsageError(f"{out}: unsupported format; use {', '.join(WRITERS)}")
     options.refuse_overwriting(out, force)
     with options.open_source(ref, folder) as (_, source, _library):
         frames = write_picture(source.cut(start, end), out, size=size, fps=fps)

@@ -1,4 +1,4 @@
-"""`motionseek search`: clips that fit a sentence."""
+"""`motionseek search`: clips that match a sentence."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from search.cli import options
 @options.library
 @options.as_json
 def search(sentence: str, k: int, folder: str | None, as_json: bool, **filters: Any) -> None:
-    """Find the clips that fit SENTENCE, each with the span that does.
+    """Find the clips that match SENTENCE, each with its best span.
 
     \b
     Examples:
@@ -30,13 +30,4 @@ def search(sentence: str, k: int, folder: str | None, as_json: bool, **filters: 
         found = library.search(sentence, k, **filters)
         terminal.hits(found, sentence, as_json=as_json)
         if not found:
-            terminal.note(nothing(library, filters))
-
-
-def nothing(library: Any, filters: dict[str, Any]) -> str:
-    """Why there is no answer."""
-    if len(library) == 0:
-        return "the library is empty; put motion files into its folder and run 'motionseek index' again"
-    if any(value is not None for value in filters.values()):
-        return "no clip passes the filters"
-    return "nothing found"
+            terminal.note(terminal.no_clips(library, filters))

@@ -1,4 +1,4 @@
-"""`motionseek segment`: label a take from beginning to end."""
+"""`motionseek segment`: a take divided into labelled segments."""
 
 from __future__ import annotations
 
@@ -11,10 +11,13 @@ from search.cli import options
 
 @click.command()
 @click.argument("ref", metavar="TAKE")
-@click.option("--labels", metavar="A,B,...", help="The labels, with commas between.")
-@click.option("--captions", is_flag=True, help="Take the library's captions as labels.")
+@click.option("--labels", metavar="A,B,...", help="Labels to choose from, separated by commas.")
+@click.option("--captions", is_flag=True, help="Use the captions of the library as labels.")
 @click.option(
-    "-o", "--out", type=click.Path(dir_okay=False, path_type=Path), help="Write .tsv, .json, .babel.json or .eaf."
+    "-o",
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write them to a .tsv, .json, .babel.json or .eaf file.",
 )
 @options.force
 @options.fps
@@ -30,10 +33,10 @@ def segment(
     folder: str | None,
     as_json: bool,
 ) -> None:
-    """Say what happens in TAKE from its beginning to its end; without labels, in the words of the shipped vocabulary.
+    """Divide TAKE into labelled segments.
 
-    The segments cover the whole take; a segment that none of the labels fits has an empty one. TAKE is a file, or a
-    clip of the library by path, name or #id.
+    TAKE is a file, or a clip of the library by path, name or number. Labels are chosen from --labels, from --captions,
+    or else from the built-in vocabulary. The segments cover the whole take; where no label matches, it is empty.
 
     \b
     Examples:
@@ -47,21 +50,21 @@ def segment(
     from search.query.vocabulary import vocabulary
 
     if labels is not None and captions:
-        raise click.UsageError("--labels and --captions exclude each other; give one")
+        raise click.UsageError("--labels and --captions cannot be combined")
     names = [name.strip() for name in (labels or "").split(",") if name.strip()]
     if labels is not None and not names:
-        raise click.UsageError('--labels is empty; give some, such as --labels "walk, sit down"')
+        raise click.UsageError('--labels is empty; give labels such as --labels "walk, sit down"')
     write = None
     if out is not None:
         write = next((writer for ending, writer in FORMATS.items() if out.name.lower().endswith(ending)), None)
         if write is None:
-            raise click.UsageError(f"{out}: can write {', '.join(FORMATS)}")
+            raise click.UsageError(f"{out}: unsupported format; use {', '.join(FORMATS)}")
         options.refuse_overwriting(out, force)
     with options.open_source(ref, folder, fps=fps) as (bundle, source, library):
         if captions:
             names = sorted(set(library.caption_vectors()[0])) if library else []
             if not names:
-                raise click.ClickException("there are no captions to take labels from; give --labels")
+                raise click.ClickException("no captions to use as labels; give --labels")
         segments = divide(bundle, source.motion, names or vocabulary())
     if out is not None and write is not None:
         out.write_text(write(segments, source.path), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""`motionseek serve`: the library in a browser."""
+"""`motionseek serve`: the library as a web page and an HTTP API."""
 
 from __future__ import annotations
 
@@ -13,22 +13,23 @@ import click
 
 @click.command()
 @click.argument("folder", required=False, type=click.Path(exists=True, file_okay=False))
-@click.option("--port", type=click.IntRange(1, 65535), help="Default: 8420, or the next that is free.")
+@click.option("--port", type=click.IntRange(1, 65535), help="Port to listen on. [default: 8420, or the next free one]")
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
-@click.option("--allow-host", "names", metavar="NAME", multiple=True, help="A further name this computer is known by.")
+@click.option("--allow-host", "names", metavar="NAME", multiple=True, help="Accept requests to this host name, too.")
 @click.option(
     "--token",
     envvar="MOTIONSEEK_TOKEN",
     show_envvar=True,
-    help="What every request must carry: 16 characters or more.",
+    help="Secret that every request must carry, at least 16 characters.",
 )
-@click.option("--open", "browser", is_flag=True, help="Open the page in the browser.")
+@click.option("--open", "browser", is_flag=True, help="Open the page in a browser.")
 def serve(
     folder: str | None, port: int | None, host: str, names: tuple[str, ...], token: str | None, browser: bool
 ) -> None:
-    """Serve the library of FOLDER, or the nearest one upward from here, as a web page and an HTTP API.
+    """Serve the library of FOLDER as a web page and an HTTP API.
 
-    Only this computer reaches it, unless --host says otherwise. What 'motionseek index' adds meanwhile is seen at once.
+    Without FOLDER, serves the nearest library here or in a parent folder. The server is reachable from this computer
+    only, unless --host is given. Clips indexed meanwhile are picked up at once.
 
     \b
     Examples:
@@ -41,7 +42,7 @@ def serve(
         import uvicorn  # noqa: F401
     except ImportError:
         raise click.ClickException(
-            "serving needs three more packages; run: pip install fastapi uvicorn httptools"
+            "the server needs further packages; run: pip install fastapi uvicorn httptools"
         ) from None
 
     from search.cli.locate import locate
@@ -53,23 +54,23 @@ def serve(
 
     if token is None and not is_loopback(host):
         raise click.UsageError(
-            f"--host {host} lets other computers in, so a token is needed, such as --token {secrets.token_urlsafe(18)}"
+            f"--host {host} admits other computers; give a token, such as --token {secrets.token_urlsafe(18)}"
         )
     if token is not None and len(token) < 16:
-        raise click.UsageError("--token must have at least 16 characters, or it can be guessed")
+        raise click.UsageError("--token must have at least 16 characters")
     if token is not None and not all("!" <= character <= "~" for character in token):
-        raise click.UsageError("--token must be of ASCII characters without spaces, or it cannot be sent in a header")
+        raise click.UsageError("--token must be ASCII without spaces, to be sent in a header")
     library = SnapshotLibrary.open(locate(folder))
     library.warm()
     listening = listen(host, port)
     url = address(listening, host) + (f"?token={quote(token, safe='')}" if token else "")
 
     def ready() -> None:
-        click.echo(f"{len(library)} clips of {Path(library.folder)} at {url}  (Ctrl-C ends it)")
+        click.echo(f"{len(library)} clips of {Path(library.folder)} at {url}  (press Ctrl-C to stop)")
         if browser:
             webbrowser.open(url)
 
     app = create_app(library, host=host, names=names, token=token)
     with suppress(KeyboardInterrupt):
         run(app, listening, ready=ready)
-    click.echo("ended", err=True)
+    click.echo("stopped", err=True)

@@ -1,4 +1,4 @@
-"""`motionseek similar`: clips that move alike."""
+"""`motionseek similar`: clips that are similar to a clip."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from search.cli import options
 @click.argument("ref", metavar="CLIP")
 @options.start
 @options.end
-@click.option("--moments", is_flag=True, help="Find spans inside clips instead of whole clips.")
+@click.option("--moments", is_flag=True, help="Find spans within clips instead of whole clips.")
 @options.hits
 @options.filters
 @options.fps
@@ -30,7 +30,10 @@ def similar(
     as_json: bool,
     **filters: Any,
 ) -> None:
-    """Find the clips that move like CLIP: a file, or a clip of the library by path, name or #id.
+    """Find the clips most similar to CLIP.
+
+    CLIP is a file, or a clip of the library by path, name or number. With --start and --end, the clips most similar to
+    that span are found.
 
     \b
     Examples:
@@ -38,7 +41,6 @@ def similar(
       motionseek similar long_take.bvh --start 12 --end 14.5 --moments
     """
     from search.cli import terminal
-    from search.cli.commands.search import nothing
     from search.source import find_source
 
     with options.open_library(folder) as library:
@@ -46,4 +48,4 @@ def similar(
         found = library.similar(source, k, start, end, moments=moments, **filters)
         terminal.hits(found, ref, as_json=as_json)
         if not found:
-            terminal.note(nothing(library, filters))
+            terminal.note(terminal.no_clips(library, filters))

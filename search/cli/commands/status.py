@@ -1,4 +1,4 @@
-"""`motionseek status`: what a library holds."""
+"""`motionseek status`: statistics of a library."""
 
 from __future__ import annotations
 
@@ -11,11 +11,13 @@ from search.cli import options
 
 @click.command()
 @click.argument("place", metavar="[FOLDER]", required=False, type=click.Path(exists=True, file_okay=False))
-@click.option("--failed", is_flag=True, help="List the files that could not be indexed, with the reason.")
+@click.option("--failed", is_flag=True, help="List the files that could not be indexed, with reasons.")
 @options.library
 @options.as_json
 def status(place: str | None, failed: bool, folder: str | None, as_json: bool) -> None:
-    """Show what the library of FOLDER holds; without FOLDER, of the nearest one upward from here.
+    """Show statistics of the library of FOLDER.
+
+    Without FOLDER, shows the nearest library here or in a parent folder.
 
     \b
     Examples:
@@ -25,7 +27,7 @@ def status(place: str | None, failed: bool, folder: str | None, as_json: bool) -
     from search.cli import terminal
 
     if place is not None and folder is not None:
-        raise click.UsageError("FOLDER and --library both name the library; give one")
+        raise click.UsageError("FOLDER and --library cannot be combined")
     with options.open_library(place or folder) as library:
         if failed:
             failures = library.failures()
@@ -44,22 +46,19 @@ def status(place: str | None, failed: bool, folder: str | None, as_json: bool) -
 
 
 def time(seconds: float) -> str:
-    """A time in hours, or in minutes where it is short."""
+    """A duration in hours, or in minutes where it is short."""
     return f"{seconds / 3600:.1f} hours" if seconds >= 3600 else f"{seconds / 60:.1f} minutes"
 
 
-#: Statistics that a person reads in other units.
+#: Statistics that are shown in other units: key -> name, format.
 _MEASURED: dict[str, tuple[str, Callable[[float], str]]] = {
-    "seconds": (
-        "motion",
-        lambda seconds: f"{seconds / 3600:.1f} hours" if seconds >= 3600 else f"{seconds / 60:.1f} minutes",
-    ),
+    "seconds": ("motion", time),
     "bytes": ("on disk", lambda size: f"{size / 1e6:.1f} MB"),
 }
 
 
 def shown(value: object) -> str:
-    """A statistic as a person reads it."""
+    """A statistic as text."""
     if isinstance(value, dict):
         return ", ".join(f"{key} {shown(item)}" for key, item in value.items())
     if isinstance(value, list | tuple):

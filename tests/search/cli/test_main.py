@@ -244,6 +244,7 @@ def test_no_command_loads_torch(indexed: Path, tiny_bundle: Path, tmp_path: Path
         ["export", "take 3", str(tmp_path / "x.bvh"), *library],
         ["render", "take 3", str(tmp_path / "x.gif"), "--size", "64", *library],
         ["status", *library],
+        ["list", *library],
         ["model", "info"],
     ]
     (tmp_path / "none").mkdir()

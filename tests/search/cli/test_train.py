@@ -63,7 +63,7 @@ def test_without_torch_the_extra_is_named(
 @pytest.mark.parametrize(
     ("recipe", "said"),
     [
-        ("{", "no JSON file"),
+        ("{", "invalid JSON"),
         ("[1]", "JSON object"),
         ('{"stpes": 3}', "has no stpes"),
         ('{"contrast": "infonec"}', "must be one of"),

@@ -66,7 +66,7 @@ def test_it_says_where_it_is_answers_and_ends_at_ctrl_c(started):
             assert len(json.load(response)["hits"]) == 5
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=10)
-        assert (process.returncode, said) == (0, "ended\n")
+        assert (process.returncode, said) == (0, "stopped\n")
 
 
 @pytest.mark.slow

@@ -1,0 +1,66 @@
+"""`motionseek list`: the clips of a library."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from search.cli import options
+
+if TYPE_CHECKING:
+    from indexer.store.clips import Caption, Clip
+    from search.library import Library
+
+#: Clips that are read at once.
+_BATCH = 1000
+
+
+@click.command()
+@options.filters
+@options.library
+@options.as_json
+def list(folder: str | None, as_json: bool, **filters: Any) -> None:
+    """List the clips of the library in order of their numbers.
+
+    When piped, each clip is one line of its number, root, path, duration, frame rate, format, rig and first caption,
+    separated by tabs. A number such as '#12' names the clip in every other command.
+
+    \b
+    Examples:
+      motionseek list
+      motionseek list --uncaptioned --min-duration 60
+      motionseek list --json | jq -r '.clips[].absolute_path'
+    """
+    from search.cli import terminal
+
+    with options.open_library(folder) as library:
+        clips = _clips(library, filters)
+        if as_json:
+            found = [clip.document(captions) | {"absolute_path": str(clip.file)} for clip, captions in clips]
+            terminal.document({"clips": found})
+            return
+        rows = [_row(clip, captions) for clip, captions in clips]
+        terminal.table(
+            ("", "root", "path", "seconds", "fps", "format", "rig", "caption"),
+            rows,
+            right=("seconds", "fps"),
+            below=("path", "caption"),
+        )
+        if not rows:
+            terminal.note(terminal.no_clips(library, filters))
+
+
+def _clips(library: Library, filters: dict[str, Any]) -> Iterator[tuple[Clip, Sequence[Caption]]]:
+    allowed = library.allowed(**filters)
+    ids = library.ids() if allowed is None else allowed
+    for first in range(0, len(ids), _BATCH):
+        for clip in library.clips(ids[first : first + _BATCH].tolist()).values():
+            yield clip, library.captions(clip.id)
+
+
+def _row(clip: Clip, captions: Sequence[Caption]) -> tuple[str, ...]:
+    number, seconds, fps = f"#{clip.id}", f"{clip.duration:.1f}", f"{clip.fps:g}"
+    caption = captions[0].text if captions else ""
+    return number, clip.root_name, clip.path, seconds, fps, clip.format, clip.rig, caption

@@ -1,0 +1,55 @@
+"""`motionseek list`: the clips of a library."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from tests.search.conftest import Run
+
+
+def test_clips_as_json(indexed: Path, run: Run) -> None:
+    clips = run("list", "--library", indexed, "--json").document["clips"]
+    assert [clip["id"] for clip in clips] == [1, 2, 3, 4, 5]
+    long = next(clip for clip in clips if clip["path"] == "take 3.npy")
+    assert {"id", "root", "path", "absolute_path", "duration", "fps", "rig", "format", "captions"} <= set(long)
+    assert (long["root"], long["absolute_path"]) == (indexed.name, str(indexed / "take 3.npy"))
+    assert (long["duration"], long["fps"], long["format"]) == (20.0, 20.0, "npy")
+    assert long["captions"] == [
+        {"text": "bückt sich", "start": 2.0, "end": 5.0},
+        {"text": "waves", "start": 6.0, "end": 9.0},
+    ]
+
+
+def test_piped_clips_are_lines_with_tabs(indexed: Path, run: Run) -> None:
+    rows = [line.split("\t") for line in run("list", "--library", indexed).out.splitlines()]
+    assert len(rows) == 5
+    number, root, path, seconds, fps, kind, _, caption = next(row for row in rows if row[2] == "take 1.npy")
+    assert (root, path, seconds, fps, kind, caption) == (indexed.name, path, "4.0", "20", "npy", "a person walks")
+    assert run("describe", number, "--library", indexed, "--json").document["path"] == path
+
+
+def test_filters_choose_clips(indexed: Path, run: Run) -> None:
+    clips = run("list", "--captioned", "--min-duration", 10, "--library", indexed, "--json").document["clips"]
+    assert [clip["path"] for clip in clips] == ["take 3.npy"]
+    none = run("list", "--format", "exe", "--library", indexed)
+    assert (none.code, none.out) == (0, "")
+    assert "no clip passes the filters" in none.err
+
+
+def test_files_of_one_name_are_told_apart(takes: Path, run: Run, tmp_path: Path) -> None:
+    folders = [tmp_path / name / "shots" for name in ("a", "b")]
+    for folder in folders:
+        folder.mkdir(parents=True)
+        shutil.copy(takes / "take 0.npy", folder)
+    library = tmp_path / "library"
+    assert run("index", *folders, "--library", library, "--jobs", 1).code == 0
+    clips = run("list", "--library", library, "--json").document["clips"]
+    assert {clip["path"] for clip in clips} == {"take 0.npy"}
+    assert [clip["root"] for clip in clips] == ["shots", "shots (2)"]
+    assert [clip["absolute_path"] for clip in clips] == [str(folder / "take 0.npy") for folder in folders]
+    ambiguous = run("describe", "take 0.npy", "--library", library)
+    assert (ambiguous.code, ambiguous.err.count("\n")) == (1, 1)
+    for clip in clips:
+        assert f"#{clip['id']}" in ambiguous.err
+        assert run("describe", f"#{clip['id']}", "--library", library).code == 0
