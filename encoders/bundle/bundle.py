@@ -85,6 +85,12 @@ class Bundle:
         folder = DEFAULT if folder is None else Path(folder)
         return cls(folder, read_manifest(folder), threads)
 
+    @property
+    def megabytes(self) -> float:
+        """What its files take on disk, in units of 10^6 bytes."""
+        sizes = [(self.folder / name).stat().st_size for name in self.manifest["files"]]
+        return float(sum(sizes)) / 1e6
+
     @cached_property
     def calibration(self) -> dict[str, NDArray[Any]] | None:
         """The arrays shipped to judge scores by, if any; halves are widened here, not again for every question."""

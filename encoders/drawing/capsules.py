@@ -11,6 +11,8 @@ from encoders.skeleton import INDEX
 
 #: Radians from where a person faces to where the viewer stands: seen from the front, a third to the side.
 VIEW = 0.6
+#: Colours of the parts on a light page.
+TINTS = {"body": (106, 99, 90), "left": (221, 90, 34), "right": (156, 147, 135)}
 #: Seconds over which the camera's aim is averaged, so that it follows without shaking.
 _FOLLOW = 1.2
 
@@ -62,6 +64,17 @@ def capsules(joints: NDArray[np.float32]) -> NDArray[np.float32]:
     tip = np.where(_BEYOND[:, None] > 0, start + reach[..., None] * back, end)
     ends: NDArray[np.float32] = np.stack([start, tip], axis=-2).astype(np.float32)
     return ends
+
+
+def view_axes(yaw: float, pitch: float = 0.0) -> NDArray[np.float32]:
+    """Unit vectors to the right, up and towards a viewer (3, 3), one a row.
+
+    The viewer stands at the angle `yaw` about Y from +Z and looks down by `pitch`, in radians.
+    """
+    sine, cosine = np.sin(yaw), np.cos(yaw)
+    towards = np.array([np.cos(pitch) * sine, np.sin(pitch), np.cos(pitch) * cosine])
+    right = np.array([cosine, 0.0, -sine])
+    return np.stack([right, np.cross(towards, right), towards]).astype(np.float32)
 
 
 def aim(joints: NDArray[np.float32], fps: float) -> NDArray[np.float32]:

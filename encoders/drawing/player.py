@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.drawing.capsules import CAPSULES, VIEW, aim, capsules, heading, reach
+from encoders.drawing.capsules import CAPSULES, VIEW, aim, capsules, heading, reach, view_axes
 from encoders.geometry import resample
 
 Joints = NDArray[np.float32]
@@ -89,9 +89,7 @@ def _poster(joints: Joints, label: str) -> str:
     x, z = aim(joints, _FPS)[frame]
     ends = capsules(joints[frame]) - np.array([x, 0, z], np.float32)
     zoom, eye = _framing(joints)
-    yaw = heading(joints) + VIEW
-    towards = np.array([np.sin(yaw), 0, np.cos(yaw)], np.float32)
-    right = np.array([np.cos(yaw), 0, -np.sin(yaw)], np.float32)
+    right, _, towards = view_axes(heading(joints) + VIEW)
     scale = 100 / (2.15 * zoom)
     across, down = 50 + scale * (ends @ right), 50 - scale * (ends[..., 1] - eye)
     lines = "".join(

@@ -8,6 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.drawing.capsules import view_axes
+
 _FIELD_OF_VIEW = np.deg2rad(26)
 _PITCH = 0.2
 
@@ -39,10 +41,7 @@ class Camera:
     @cached_property
     def axes(self) -> Floats:
         """Unit vectors to the right, up and towards the viewer (3, 3), one a row."""
-        sine, cosine = np.sin(self.yaw), np.cos(self.yaw)
-        towards = np.array([np.cos(_PITCH) * sine, np.sin(_PITCH), np.cos(_PITCH) * cosine])
-        right = np.array([cosine, 0.0, -sine])
-        return np.stack([right, np.cross(towards, right), towards]).astype(np.float32)
+        return view_axes(self.yaw, _PITCH)
 
     @property
     def pixels_per_metre(self) -> float:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.drawing.capsules import CAPSULES, RADII, TINTS, VIEW, capsules, heading, view_axes
 from encoders.errors import QueryError
 from encoders.motion import Motion
-from encoders.skeleton import INDEX, JOINTS, PARENTS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,14 +21,10 @@ if TYPE_CHECKING:
     from search.query.question import Question
     from search.source import MotionSource
 
-_INK, _PALE, _LEFT, _RIGHT = "#22262e", "#8b93a1", "#d1495b", "#2e6f95"
+_INK, _PALE = "#22262e", "#8b93a1"
 _LINES = ("#2e6f95", "#d1495b", "#3c8d5a", "#8a5fb0", "#c98a1b")
 _FOUND, _TRUE = "#f2c14e", "#3c8d5a"
-_BONES = np.stack([PARENTS[1:], np.arange(1, len(JOINTS))], axis=1)
-_BONE_COLOURS = [
-    _LEFT if name.startswith("left") else _RIGHT if name.startswith("right") else _INK for name in JOINTS[1:]
-]
-_VIEW = np.deg2rad(35)  # seen from the front, a third to the side
+_TINT = np.array([TINTS[c.part] for c in CAPSULES]) / 255
 _POSES, _SPACING = 9, 1.35
 
 
@@ -37,19 +33,19 @@ def plot_poses(path: Path, groups: Sequence[tuple[str, Sequence[tuple[str, Motio
 
     Parameters
     ----------
-    groups : sequence of (heading, sequence of (label, Motion))
+    groups : sequence of (title, sequence of (label, Motion))
     """
-    rows = [(heading if i == 0 else "", *row) for heading, part in groups for i, row in enumerate(part)]
+    rows = [(title if i == 0 else "", *row) for title, part in groups for i, row in enumerate(part)]
     figure = _figure(7.8, 1.45 * max(len(rows), 1) + 0.3 * len(groups))
     axes = figure.subplots(max(len(rows), 1), 1, squeeze=False)[:, 0]
-    for ax, (heading, label, motion) in zip(axes, rows, strict=False):
+    for ax, (title, label, motion) in zip(axes, rows, strict=False):
         places = np.arange(_POSES) * _SPACING
         _poses(ax, motion, np.linspace(0, motion.duration, _POSES), places)
         ax.set_xlim(-_SPACING / 2, places[-1] + _SPACING / 2)
         ax.set_anchor("W")
         ax.set_title(label, fontsize=8.5, color=_PALE, loc="left", pad=2)
-        if heading:
-            ax.set_title(heading + "\n", fontsize=12, color=_INK, loc="left", pad=4)
+        if title:
+            ax.set_title(title + "\n", fontsize=12, color=_INK, loc="left", pad=4)
             ax.text(0, 1.02, label, fontsize=8.5, color=_PALE, transform=ax.transAxes)
     if not rows:
         axes[0].axis("off")
@@ -143,39 +139,33 @@ def _poses(
     ax: Axes, motion: Motion, times: NDArray[np.float64], places: NDArray[np.floating], *, scale: float = 1.0
 ) -> None:
     """Draw the poses at `times`, in seconds, at `places` along x, on a ground line; `scale` widens x against y."""
-    from matplotlib.collections import LineCollection
+    from matplotlib.collections import PolyCollection
 
-    frames = np.clip(np.round(times * motion.fps).astype(int), 0, len(motion) - 1)
-    seen = _seen(motion)[frames]
-    seen[..., 0] = seen[..., 0] * scale + places[:, None]
-    for pose in seen:
-        order = np.argsort(pose[_BONES, 2].mean(axis=-1))
-        ax.add_collection(
-            LineCollection(
-                list(pose[_BONES[order], :2]),
-                colors=[_BONE_COLOURS[i] for i in order],
-                linewidths=1.7,
-                capstyle="round",
-            )
-        )
-        head = pose[INDEX["head"]]
-        ax.plot(head[0], head[1], marker="o", ms=4.2, color=_INK, ls="none")
+    outlines, nearness = _seen(motion, np.clip(np.round(times * motion.fps).astype(int), 0, len(motion) - 1))
+    outlines[..., 0] = outlines[..., 0] * scale + places[:, None, None]
+    for pose, near in zip(outlines, nearness, strict=True):
+        order = np.argsort(near)
+        ax.add_collection(PolyCollection(list(pose[order]), facecolors=_TINT[order], linewidths=0))
     ax.axhline(0, color=_PALE, lw=0.8, zorder=0)
-    ax.set_ylim(-0.08, max(1.9, float(seen[..., 1].max()) + 0.1))
+    ax.set_ylim(-0.08, max(1.9, float(outlines[..., 1].max()) + 0.1))
     if scale == 1.0:
         ax.set_aspect("equal")
     ax.axis("off")
 
 
-def _seen(motion: Motion) -> NDArray[Any]:
-    """Joints (T, 22, 3) about the pelvis as a viewer sees them who stands a third to the side of where the body faces:
-    to the right, up, and towards the viewer."""
-    joints = motion.joints.astype(np.float64)
-    across = (joints[:, INDEX["left_hip"]] - joints[:, INDEX["right_hip"]])[:, [0, 2]].mean(axis=0)
-    angle = np.arctan2(across[1], across[0]) + _VIEW
-    cosine, sine = np.cos(angle), np.sin(angle)
-    about = joints - joints[:, :1] * np.array([1.0, 0.0, 1.0])
-    x = cosine * about[..., 0] + sine * about[..., 2]
-    z = -sine * about[..., 0] + cosine * about[..., 2]
-    height = about[..., 1] - np.percentile(about[..., 1].min(axis=1), 5)
-    return np.stack([x, height, z], axis=-1)
+def _seen(motion: Motion, frames: NDArray[np.integer]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Outlines (N, C, K, 2) of the capsules of N poses and how near the viewer they are (N, C).
+
+    In metres to the right of the pelvis, above the ground and towards the viewer.
+    """
+    ground = np.percentile(motion.joints[..., 1].min(axis=1), 5)
+    below = motion.joints[frames, :1] * np.array([1, 0, 1]) + np.array([0, ground, 0])
+    ends = capsules(motion.joints[frames] - below.astype(np.float32)).astype(np.float64)
+    ends = ends @ view_axes(heading(motion.joints) + VIEW).T
+    along = ends[..., 1, :2] - ends[..., 0, :2]
+    angles = np.arctan2(along[..., 1], along[..., 0])[..., None] + np.linspace(-np.pi / 2, np.pi / 2, 7)
+    halves = [
+        ends[..., end, None, :2] + RADII[:, end, None, None] * np.stack([np.cos(turned), np.sin(turned)], axis=-1)
+        for end, turned in ((1, angles), (0, angles + np.pi))
+    ]
+    return np.concatenate(halves, axis=-2), ends[..., 2].mean(axis=-1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.drawing.capsules import CAPSULES, RADII, VIEW, aim, capsules, heading, reach
+from encoders.drawing.capsules import CAPSULES, RADII, TINTS, VIEW, aim, capsules, heading, reach
 from encoders.geometry import interpolate
 from encoders.motion import Motion
 from search.drawing.camera import Camera
@@ -16,8 +16,7 @@ Floats = NDArray[np.float32]
 PAPER, INK, QUIET = (248, 246, 241), (29, 26, 22), (100, 94, 84)
 FLOOR = (239, 235, 227)
 _LINE = np.array((201, 193, 178), np.float32)
-_TINTS = {"body": (106, 99, 90), "left": (221, 90, 34), "right": (156, 147, 135)}
-_TINT = np.array([_TINTS[c.part] for c in CAPSULES], np.float32)
+_TINT = np.array([TINTS[c.part] for c in CAPSULES], np.float32)
 _LIGHT = np.array([-0.45, 0.8, 0.5], np.float32) / np.float32(np.linalg.norm([0.45, 0.8, 0.5]))
 _BARE = np.array(FLOOR, np.float32)
 _SHADOW = 0.34

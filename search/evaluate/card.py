@@ -78,11 +78,10 @@ def model_card(
 
 def _about(bundle: Bundle) -> str:
     manifest = bundle.manifest
-    size = sum((bundle.folder / name).stat().st_size for name in manifest["files"])
     return _ABOUT.format(
         name=bundle.name,
         fingerprint=bundle.fingerprint[:16],
-        megabytes=size / 1e6,
+        megabytes=bundle.megabytes,
         kind=f"`{bundle.feature_kind}`",
         fps=bundle.fps,
         latent=bundle.latent_size,

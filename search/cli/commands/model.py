@@ -45,12 +45,11 @@ def info(bundle: Path | None, as_json: bool) -> None:
     from search.cli import terminal
 
     loaded = Bundle.load(bundle)
-    files = loaded.manifest["files"]
     facts: dict[str, Any] = {
         "name": loaded.name,
         "fingerprint": loaded.fingerprint,
         "folder": str(loaded.folder),
-        "megabytes": round(sum((loaded.folder / name).stat().st_size for name in files) / 1e6, 1),
+        "megabytes": round(loaded.megabytes, 1),
         "calibrated": loaded.calibration is not None,
     }
     facts |= {key: value for key, value in loaded.manifest.items() if key not in ("files", "name", "fingerprint")}
