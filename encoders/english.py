@@ -1,4 +1,4 @@
-"""English word forms that captions and their parser need: verbs, possessives, numbers.
+"""English word forms for captions and their parser: verbs, articles, numbers.
 
 Only regular rules and the irregular verbs of movement; no dictionary.
 """
@@ -129,7 +129,7 @@ def number_word(value: int) -> str:
 
 
 def times(value: int) -> list[str]:
-    """Ways to say that something happens `value` times."""
+    """Phrases for `value` repetitions: "twice", "two times"."""
     word = number_word(value)
     if value == 1:
         return ["once", "one time", "a single time"]

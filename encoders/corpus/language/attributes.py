@@ -1,4 +1,4 @@
-"""The particulars of a clause: direction, side, speed, count, style, height, amplitude, each taken out of the words."""
+"""The attributes of a clause (direction, side, speed, count, style, height, amplitude), extracted from its words."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _SINGULAR = {"feet": "foot", "index finger": "finger"}
 
 @cache
 def _patterns() -> tuple[tuple[re.Pattern[str], str, str], ...]:
-    """(pattern, field, value) in the order in which they are taken out; "{1}" is the pattern's first group."""
-    return tuple((re.compile(pattern), name, value) for pattern, name, value in patterns()["particulars"])
+    """(pattern, field, value) in order of extraction; "{1}" stands for the pattern's first group."""
+    return tuple((re.compile(pattern), name, value) for pattern, name, value in patterns()["attributes"])
 
 
 _LIMBS = re.compile(
@@ -33,30 +33,30 @@ _LIMBS = re.compile(
 
 @cache
 def _styles() -> tuple[re.Pattern[str], dict[str, str]]:
-    """What says a style, as one pattern with the longest wording first, and wording -> style."""
-    ways: dict[str, str] = dict(patterns()["styles"])
+    """A pattern of all style phrases, longest first, and phrase -> style."""
+    phrases: dict[str, str] = dict(patterns()["styles"])
     for style, places in modifiers()["style"].items():
-        for way in [*places.get("adverb", []), *places.get("after", [])]:
-            if "{" not in way:
-                ways.setdefault(way, style)
-    longest_first = sorted(ways, key=len, reverse=True)
-    return re.compile(rf"\b(?:{'|'.join(map(re.escape, longest_first))})\b"), ways
+        for phrase in [*places.get("adverb", []), *places.get("after", [])]:
+            if "{" not in phrase:
+                phrases.setdefault(phrase, style)
+    longest_first = sorted(phrases, key=len, reverse=True)
+    return re.compile(rf"\b(?:{'|'.join(map(re.escape, longest_first))})\b"), phrases
 
 
 @dataclass
 class ClauseAttributes:
-    """What was taken out of a clause, and the words that are left.
+    """The attributes extracted from a clause, and the remaining words.
 
     Attributes
     ----------
     fields : dict
         Field of a step -> value, as text.
     limbs : list of (str, str)
-        Parts of the body in order with their side; singular.
+        Body parts in order of mention, singular, with their sides.
     rest : str
-        The other words, without articles and possessives.
+        The remaining words, without articles and possessives.
     front, several, unsure : bool
-        Whether "in front" and "several times" were said; whether something cannot be acted out.
+        Whether "in front" and "several times" occurred; whether something cannot be synthesised.
     """
 
     fields: dict[str, str] = field(default_factory=dict)
@@ -99,13 +99,13 @@ _OBJECT = re.compile(
 
 
 def extract_attributes(clause: str) -> ClauseAttributes:
-    """The particulars of a normalised clause without its subject and verb."""
+    """The attributes of a normalised clause without its subject and verb."""
     found = ClauseAttributes()
     text = f" {clause} "
-    says_style, styles = _styles()
-    for way in says_style.findall(text):
-        found.fields["style"] = styles[way]
-    text = says_style.sub(" ", text)
+    style_pattern, styles = _styles()
+    for phrase in style_pattern.findall(text):
+        found.fields["style"] = styles[phrase]
+    text = style_pattern.sub(" ", text)
     text = _take_limbs(text, found)
     for pattern, name, value in _patterns():
         match = pattern.search(text)

@@ -1,7 +1,7 @@
-"""Captions: a scene in the many ways in which people would describe it.
+"""Caption generation: random human-like descriptions of a scene.
 
-Every caption is true of its scene; it need not say everything. Kinds: full sentences, verb+ing fragments, short
-labels, clauses about one part of the body, one step out of several.
+Every caption is true of its scene, but need not be complete. Kinds: full sentences, gerund fragments, short labels,
+clauses about one part of the body, one step out of several.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from encoders.corpus.language.clause import Clause, choose_phrase, fill, make_clause, only_fields
 from encoders.corpus.language.lexicon import modifier
-from encoders.corpus.language.subjects import Subject, draw_subject, nobody, with_adjective
+from encoders.corpus.language.subjects import Subject, draw_subject, no_subject, with_adjective
 from encoders.corpus.language.typing_noise import add_typing_noise
 from encoders.corpus.language.weighted_choice import RandomSource, pick, pick_early, pick_weighted
 from encoders.corpus.scene import Scene, StepGroup
@@ -30,16 +30,16 @@ _JOINS = (" then {same}", " and then {same}", ", then {same}", " and {same}", ",
           " and after that {same}", ", next {same}", " before {ing}", " followed by {ing}", ", finally {ing}",
           " and finally {same}")  # fmt: skip
 _JOIN_WEIGHTS = (0.3, 0.16, 0.13, 0.14, 0.05, 0.03, 0.02, 0.02, 0.09, 0.02, 0.02, 0.02)
-_PLAIN = 8  # the first joins, which keep the verb form and may stand anywhere
+_PLAIN = 8  # number of joins, from the first, that keep the verb form and fit anywhere
 _LAST_OF_LIST = (", and ", ", then ", " and then ", ", and then ", " and ")
 _LIKE_DOING = ("as if {x}", "as if {they_are} {x}", "like {they_are} {x}", "as though {x}", "as if {they_were} {x}")
 _LIKE_CLAUSE = ("as if {x}", "like {x}", "as though {x}")
-_POSTURES = frozenset({"stand", "idle", "stand still"})  # what a standing gesture need not mention
+_POSTURES = frozenset({"stand", "idle", "stand still"})  # omitted beside a gesture
 _OPENERS = ("", "", "", "", "", "", "", "", "first ", "at first ")
 
 
 def _verb_form(subject: Subject, tense: str) -> str:
-    """The form in which the verb follows the subject: tense "present", "continuous", "past", "was", "bare"."""
+    """The verb form for a subject and a tense: "present", "continuous", "past", "was" or "bare"."""
     if tense == "present":
         return "base" if subject.plural else "third"
     if tense == "continuous":
@@ -54,7 +54,7 @@ def _draw_tense(rng: RandomSource) -> str:
 
 
 def _as_if(group: StepGroup, subject: Subject, rng: RandomSource) -> str:
-    """What the movement resembles, or nothing."""
+    """A comparison, "as if climbing a rope", or ""."""
     step = pick(rng, group)
     phrase = choose_phrase(step, "as_if", rng)
     if phrase is None:
@@ -65,34 +65,34 @@ def _as_if(group: StepGroup, subject: Subject, rng: RandomSource) -> str:
 
 @dataclass(frozen=True)
 class ClauseGroup:
-    """The clauses of one group and how each further one is joined to the first."""
+    """The clauses of one step group, with the join of each further clause to the first."""
 
     subject: Subject
     clauses: tuple[Clause, ...]
     joins: tuple[str, ...]
 
     @property
-    def said(self) -> StepGroup:
-        return tuple(clause.said for clause in self.clauses)
+    def mentioned(self) -> StepGroup:
+        return tuple(clause.mentioned for clause in self.clauses)
 
-    def say(self, form: str) -> str:
-        """In a verb form of the first clause; see `Clause.say`."""
+    def inflected(self, form: str) -> str:
+        """The clauses with the first one in a verb form; see `Clause.inflected`."""
         same = "ing" if form in ("is", "are", "was", "were") else form
         agreeing = "base" if self.subject.pronoun == "they" else "third"
-        words = self.clauses[0].say(form)
+        words = self.clauses[0].inflected(form)
         for join, clause in zip(self.joins, self.clauses[1:], strict=True):
             words += " " + (
-                join.replace("{ing}", clause.say("ing"))
-                .replace("{same}", clause.say(same))
-                .replace("{they}", f"{self.subject.pronoun} {clause.say(agreeing)}")
+                join.replace("{ing}", clause.inflected("ing"))
+                .replace("{same}", clause.inflected(same))
+                .replace("{they}", f"{self.subject.pronoun} {clause.inflected(agreeing)}")
             )
         return words
 
 
-def _together(
+def _clause_group(
     group: StepGroup, subject: Subject, rng: RandomSource, without: frozenset[str] = frozenset()
 ) -> ClauseGroup:
-    """The steps of one group as one clause; standing is often left unsaid."""
+    """The clauses of a step group; standing is often omitted."""
     shown = [step for step in group if step.action not in _POSTURES] if rng.random() < 0.6 else list(group)
     shown = shown or list(group)
     if len(shown) > 1 and rng.random() < 0.5:
@@ -106,26 +106,26 @@ def _together(
 
 @dataclass(frozen=True)
 class GeneratedCaption:
-    """A caption and what it says: a scene that leaves out what the words leave out."""
+    """A caption and the scene that it states: the described one without what the words omit."""
 
     text: str
     scene: Scene
 
 
-def _said(text: str, parts: Sequence[ClauseGroup]) -> GeneratedCaption:
-    return GeneratedCaption(text, Scene(tuple(part.said for part in parts)))
+def _generated(text: str, parts: Sequence[ClauseGroup]) -> GeneratedCaption:
+    return GeneratedCaption(text, Scene(tuple(part.mentioned for part in parts)))
 
 
 def _joined(parts: Sequence[ClauseGroup], forms: Sequence[str], rng: RandomSource, *, plain: bool = False) -> str:
-    """Clauses in order, joined as people join them; `plain` joins only with then, and, commas."""
-    said = [part.say(form) for part, form in zip(parts, forms, strict=True)]
+    """Clauses in order, joined at random; `plain` joins only with "then", "and" and commas."""
+    said = [part.inflected(form) for part, form in zip(parts, forms, strict=True)]
     if len(said) > 2 and rng.random() < 0.35:
         return ", ".join(said[:-1]) + pick(rng, _LAST_OF_LIST) + said[-1]
     text = said[0]
     for i in range(1, len(said)):
         usable = _PLAIN if plain or i < len(said) - 1 else len(_JOINS)
         join = pick_weighted(rng, _JOINS[:usable], _JOIN_WEIGHTS[:usable])
-        text += join.replace("{ing}", parts[i].say("ing")).replace("{same}", said[i])
+        text += join.replace("{ing}", parts[i].inflected("ing")).replace("{same}", said[i])
     return text
 
 
@@ -138,60 +138,60 @@ def _sentence(groups: Sequence[StepGroup], rng: RandomSource) -> GeneratedCaptio
         styled = with_adjective(subject, pick_early(rng, adjectives)) if adjectives and rng.random() < 0.25 else None
         if styled is not None:
             subject, without = styled, frozenset({"style"})
-    parts = [_together(group, subject, rng, without) for group in groups]
+    parts = [_clause_group(group, subject, rng, without) for group in groups]
     if len(parts) == 1:
-        return _said(_single_sentence(groups[0], parts[0], rng), parts)
+        return _generated(_single_sentence(groups[0], parts[0], rng), parts)
     form = _verb_form(subject, _draw_tense(rng))
     if len(parts) == 2 and rng.random() < 0.09:
         if rng.random() < 0.67:
-            return _said(f"after {parts[0].say('ing')}, {subject.text} {parts[1].say(form)}", parts)
-        return _said(f"{subject.text} {parts[1].say(form)} after {parts[0].say('ing')}", parts)
+            return _generated(f"after {parts[0].inflected('ing')}, {subject.text} {parts[1].inflected(form)}", parts)
+        return _generated(f"{subject.text} {parts[1].inflected(form)} after {parts[0].inflected('ing')}", parts)
     later = "ing" if form in ("is", "are", "was", "were") and rng.random() < 0.7 else form
     text = _joined(parts, [form] + [later] * (len(parts) - 1), rng)
     opener = pick(rng, _OPENERS) if " " in subject.text else ""
-    return _said(f"{opener}{subject.text} {text}", parts)
+    return _generated(f"{opener}{subject.text} {text}", parts)
 
 
 def _single_sentence(group: StepGroup, words: ClauseGroup, rng: RandomSource) -> str:
-    """One group: plainly, as something that seems to be so, or with what it resembles."""
+    """A sentence of one group: plain, hedged ("appears to be ..."), or with a comparison."""
     subject = words.subject
     ending = _as_if(group, subject, rng) if rng.random() < 0.12 else ""
     if rng.random() < 0.06:
         seems = pick(rng, _SEEMS_PLURAL if subject.plural else _SEEMS)
         said = fill(seems, group[0], subject, rng)
-        said = said.replace("[ing]", words.say("ing")).replace("[base]", words.say("base"))
+        said = said.replace("[ing]", words.inflected("ing")).replace("[base]", words.inflected("base"))
     else:
-        said = words.say(_verb_form(subject, _draw_tense(rng)))
+        said = words.inflected(_verb_form(subject, _draw_tense(rng)))
     return " ".join(filter(None, (subject.text, said, ending)))
 
 
 def _fragment(groups: Sequence[StepGroup], rng: RandomSource) -> GeneratedCaption:
-    subject = nobody(rng)
-    parts = [_together(group, subject, rng) for group in groups]
+    subject = no_subject(rng)
+    parts = [_clause_group(group, subject, rng) for group in groups]
     text = _joined(parts, ["ing"] * len(parts), rng)
     if len(groups) == 1 and rng.random() < 0.1:
         text = " ".join(filter(None, (text, _as_if(groups[0], subject, rng))))
-    return _said(text, parts)
+    return _generated(text, parts)
 
 
 def _label(groups: Sequence[StepGroup], rng: RandomSource) -> GeneratedCaption:
-    subject = nobody(rng)
+    subject = no_subject(rng)
     if len(groups) == 1 and len(groups[0]) == 1 and rng.random() < 0.45:
         step = groups[0][0]
         noun = choose_phrase(step, "nouns", rng)
         if noun is not None:
             return GeneratedCaption(
-                fill(noun.text, step, subject, rng), Scene(((only_fields(step, noun.said_of(step)),),))
+                fill(noun.text, step, subject, rng), Scene(((only_fields(step, noun.mentioned_fields(step)),),))
             )
-    parts = [_together(group, subject, rng) for group in groups]
+    parts = [_clause_group(group, subject, rng) for group in groups]
     text = _joined(parts, ["base"] * len(parts), rng, plain=True)
     for possessive in (" their ", " his ", " her ", " the "):
         text = text.replace(possessive, " ") if rng.random() < 0.5 else text
-    return _said(text, parts)
+    return _generated(text, parts)
 
 
 def _part(groups: Sequence[StepGroup], rng: RandomSource) -> GeneratedCaption:
-    """A clause about one part of the body, or a fragment where the action has none."""
+    """A clause about one part of the body, or a fragment if the action has none."""
     step = pick(rng, groups[0])
     phrase = choose_phrase(step, "parts", rng)
     if phrase is None:
@@ -200,12 +200,12 @@ def _part(groups: Sequence[StepGroup], rng: RandomSource) -> GeneratedCaption:
     if step.side == "both" and words[0].startswith("{") and words[0] != "{p}":
         verbs = [1, *(i + 1 for i, word in enumerate(words[:-1]) if word == "and")]
         words = [plural_form(word) if i in verbs else word for i, word in enumerate(words)]
-    text = fill(" ".join(words), step, nobody(rng), rng)
-    return GeneratedCaption(text, Scene(((only_fields(step, phrase.said_of(step)),),)))
+    text = fill(" ".join(words), step, no_subject(rng), rng)
+    return GeneratedCaption(text, Scene(((only_fields(step, phrase.mentioned_fields(step)),),)))
 
 
-def _shown(scene: Scene, rng: RandomSource) -> Sequence[StepGroup]:
-    """The groups a caption speaks of: nearly always all, in a long scene at times only some, in their order."""
+def _described_groups(scene: Scene, rng: RandomSource) -> Sequence[StepGroup]:
+    """The groups that a caption describes, in order: nearly always all, of a long scene sometimes a subset."""
     groups = scene.steps
     if len(groups) >= 3 and rng.random() < 0.12:
         skipped = int(rng.random() * len(groups))
@@ -221,8 +221,8 @@ def _shown(scene: Scene, rng: RandomSource) -> Sequence[StepGroup]:
 
 
 def describe(scene: Scene, rng: RandomSource) -> GeneratedCaption:
-    """One caption of `scene`, with what of the scene it says."""
-    groups = _shown(scene, rng)
+    """One caption of `scene`, with the part of the scene that it states."""
+    groups = _described_groups(scene, rng)
     weights = _KIND_WEIGHTS_ONE if len(groups) == 1 else _KIND_WEIGHTS_MANY
     kind = pick_weighted(rng, _KINDS, weights)
     write = {"sentence": _sentence, "fragment": _fragment, "label": _label, "part": _part}[kind]
@@ -231,23 +231,23 @@ def describe(scene: Scene, rng: RandomSource) -> GeneratedCaption:
 
 
 def captions(scene: Scene, rng: RandomSource, n: int, held_out: Callable[[str], bool] | None = None) -> list[str]:
-    """`n` captions of `scene`, different from each other where the scene allows it.
+    """`n` captions of `scene`, distinct if the scene allows it.
 
     Parameters
     ----------
     scene : Scene
-        Every action must have an entry in the phrases.
+        Every action must have an entry in the lexicon.
     rng : numpy.random.Generator or random.Random
-        Source of chance.
+        Random state.
     n : int
-        How many.
+        Number of captions.
     held_out : callable, optional
-        Sentences for which it is true are never returned.
+        True for sentences that must not be returned.
 
     Raises
     ------
     KeyError
-        For an action without phrases.
+        If an action has no phrases.
     """
     found: list[str] = []
     for attempt in range(20 * n):

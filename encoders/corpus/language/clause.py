@@ -1,4 +1,4 @@
-"""One step in words: a verb phrase with its modifiers, in any verb form."""
+"""The clause of one step: a verb phrase with its modifiers, in any verb form."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from encoders.corpus.language.weighted_choice import RandomSource, pick, pick_ea
 from encoders.corpus.scene import ActionStep
 from encoders.english import indefinite, inflect, number_word, times
 
-SAID = 0.85  # share of the set fields that a caption names
+MENTIONED = 0.85  # share of the specified fields that a caption mentions
 _SLOT = re.compile(r"\{(\w+)(?::([^}]+))?\}")
 _PLURALS = {"foot": "feet", "palm": "palms", "fingers": "fingers"}
 _SIDE_PHRASES = (
@@ -23,8 +23,8 @@ _SIDE_PHRASES = (
     "using the {side} {limb}",
 )
 _BOTH_PHRASES = ("with both {limbs}", "using both {limbs}", "with both of {p} {limbs}")
-_WAYS = ("to the {side}", "{side}", "to {p} {side}", "towards the {side}", "to the {side} side")
-_EARLY = ("speed", "style")  # fields whose adverb may stand before the verb
+_HEADINGS = ("to the {side}", "{side}", "to {p} {side}", "towards the {side}", "to the {side} side")
+_PREVERBAL = ("speed", "style")  # fields whose adverb may stand before the verb
 
 
 @dataclass(frozen=True)
@@ -36,20 +36,20 @@ class Clause:
     text : str
         Base form, verbs marked with "~".
     adverb : str
-        Stands before the first verb; may be empty.
+        Precedes the first verb; may be empty.
     tail : str
-        Modifiers behind it; may be empty.
-    said : Step
-        What it says: the step less the fields that it leaves out.
+        Modifiers after the verb phrase; may be empty.
+    mentioned : ActionStep
+        The step without the fields that the clause omits.
     """
 
     text: str
-    said: ActionStep
+    mentioned: ActionStep
     adverb: str = ""
     tail: str = ""
 
-    def say(self, form: str) -> str:
-        """In a verb form: "base", "third", "ing", "past", or "is" / "are" / "was" / "were" before a gerund."""
+    def inflected(self, form: str) -> str:
+        """The clause in a verb form: "base", "third", "ing", "past", or "is", "are", "was", "were" with a gerund."""
         helper, form = (form, "ing") if form in ("is", "are", "was", "were") else ("", form)
         words = [inflect(word[1:], form) if word.startswith("~") else word for word in self.text.split()]
         if self.adverb:
@@ -118,42 +118,42 @@ def fill(text: str, step: ActionStep, subject: Subject, rng: RandomSource) -> st
 
 
 def _side_words(step: ActionStep, limb: str, rng: RandomSource) -> str:
-    if limb == "way":
-        return pick_early(rng, _WAYS).replace("{side}", step.side)
+    if limb == "heading":
+        return pick_early(rng, _HEADINGS).replace("{side}", step.side)
     plural = _PLURALS.get(limb, limb + "s")
     if step.side == "both":
         return pick_early(rng, _BOTH_PHRASES).replace("{limbs}", plural)
     return pick_early(rng, _SIDE_PHRASES).replace("{side}", step.side).replace("{limb}", limb)
 
 
-def _particulars(step: ActionStep, unsaid: set[str], limb: str, rng: RandomSource) -> tuple[str, list[str]]:
-    """Words for the fields that are set and not yet said: an adverb before the verb, and what follows it."""
+def _modifiers(step: ActionStep, fields: set[str], limb: str, rng: RandomSource) -> tuple[str, list[str]]:
+    """Modifiers for the given fields: an adverb before the verb, and the phrases after it."""
     adverb, after = "", []
-    if "direction" in unsaid:
+    if "direction" in fields:
         after.append(pick_early(rng, modifier(step.action, "direction", step.direction).get("after", [""])))
-    if "side" in unsaid and (limb != "way" or step.side != "both"):
+    if "side" in fields and (limb != "heading" or step.side != "both"):
         after.append(_side_words(step, limb, rng))
     for field in ("height", "amplitude", "speed", "style"):
-        if field not in unsaid:
+        if field not in fields:
             continue
-        ways = modifier(step.action, field, getattr(step, field))
-        adverbs, tails = ways.get("adverb", []), ways.get("after", [])
+        phrases = modifier(step.action, field, getattr(step, field))
+        adverbs, tails = phrases.get("adverb", []), phrases.get("after", [])
         if not adverb and adverbs and field != "height" and rng.random() < 0.4:
             adverb = pick_early(rng, adverbs)
         elif options := [*adverbs, *tails]:
             after.append(pick_early(rng, options))
-    if "count" in unsaid:
+    if "count" in fields:
         after.insert(min(len(after), 1 if rng.random() < 0.5 else 9), pick_early(rng, times(step.count)))
     return adverb, after
 
 
 def choose_phrase(step: ActionStep, kind: str, rng: RandomSource) -> Phrase | None:
-    """A phrase of a kind that holds for the step; special cases and common words more often."""
+    """A phrase of a kind that fits the step; special cases and common words more often."""
     groups = phrases_for(step, kind)
     if not groups:
         return None
     sizes = [len(group) for group in groups]
-    # a special case counts as much as the general list even if it is short
+    # special cases together are as likely as the general list, even if they are few
     special = len(groups) > 1 and rng.random() < 0.5
     chosen = pick(rng, groups[:-1]) if special else groups[int(rng.random() * len(groups)) if min(sizes) > 8 else -1]
     return pick_early(rng, chosen)
@@ -162,29 +162,29 @@ def choose_phrase(step: ActionStep, kind: str, rng: RandomSource) -> Phrase | No
 def make_clause(
     step: ActionStep, subject: Subject, rng: RandomSource, *, without: frozenset[str] = frozenset()
 ) -> Clause:
-    """The step as a verb phrase; fields in `without` are said elsewhere."""
+    """The clause of a step; fields in `without` are mentioned elsewhere in the caption."""
     phrase = choose_phrase(step, "verbs", rng)
     if phrase is None:
         raise KeyError(f"no verbs for {step}")
     entry = entry_of(step.action)
     assert entry is not None
     set_fields = {field for field in FIELDS if getattr(step, field)}
-    open_fields = [field for field in FIELDS if field in set_fields - phrase.said_of(step) - without]
-    unsaid = {field for field in open_fields if field not in entry.unsaid and rng.random() < SAID}
-    adverb, after = _particulars(step, unsaid, entry.limb, rng)
+    open_fields = [field for field in FIELDS if field in set_fields - phrase.mentioned_fields(step) - without]
+    to_mention = {field for field in open_fields if field not in entry.never_mentioned and rng.random() < MENTIONED}
+    adverb, after = _modifiers(step, to_mention, entry.limb, rng)
     return Clause(
         text=fill(mark_verbs(phrase.text), step, subject, rng),
-        said=without_fields(step, set(open_fields) - unsaid),
+        mentioned=without_fields(step, set(open_fields) - to_mention),
         adverb=fill(adverb, step, subject, rng),
         tail=fill(" ".join(after), step, subject, rng),
     )
 
 
 def without_fields(step: ActionStep, fields: Iterable[str]) -> ActionStep:
-    """The step with `fields` empty."""
+    """The step with `fields` unspecified."""
     return replace(step, **{field: type(getattr(step, field))() for field in fields})
 
 
 def only_fields(step: ActionStep, fields: Iterable[str]) -> ActionStep:
-    """The step with every field but `fields` empty."""
+    """The step with all fields but `fields` unspecified."""
     return without_fields(step, set(FIELDS) - set(fields))

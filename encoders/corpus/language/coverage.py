@@ -1,4 +1,4 @@
-"""How well the language of the corpus matches what people write: coverage, style, variety."""
+"""How well the corpus' language matches human captions: coverage, length, vocabulary."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ _WORD = re.compile(r"[a-z']+")
 
 @dataclass(frozen=True)
 class Coverage:
-    """What of a set of human sentences the corpus can act out.
+    """The share of human sentences that the corpus can synthesise.
 
     Attributes
     ----------
     sentences : int
-        How many there were.
+        Their number.
     verbs_known : float
-        Share whose main verbs the corpus can all act out.
+        Share whose main verbs can all be synthesised.
     read : float
-        Share understood completely, as a scene that programs can act.
+        Share parsed completely, as a scene of known programs.
     missing : Counter
-        Main verbs that it cannot act out, as written; light verbs (do, make, take) where their object is unknown.
+        Main verbs that cannot be synthesised, as written; light verbs (do, make, take) if their object is unknown.
     actions : Counter
-        Actions in the scenes read.
+        Actions in the parsed scenes.
     """
 
     sentences: int
@@ -39,7 +39,7 @@ class Coverage:
 
 
 def coverage(sentences: Iterable[str]) -> Coverage:
-    """Read every sentence and count."""
+    """Parse every sentence and count."""
     count = known = understood = 0
     missing: Counter[str] = Counter()
     actions: Counter[str] = Counter()
@@ -56,22 +56,22 @@ def coverage(sentences: Iterable[str]) -> Coverage:
 
 
 def words_of(sentences: Iterable[str]) -> Counter[str]:
-    """How often each word occurs."""
+    """Word counts."""
     return Counter(word for sentence in sentences for word in _WORD.findall(sentence.lower()))
 
 
 def words_per_sentence(sentences: Sequence[str]) -> float:
-    """Mean number of words."""
+    """Mean number of words per sentence."""
     return sum(len(_WORD.findall(sentence.lower())) for sentence in sentences) / max(len(sentences), 1)
 
 
 def vocabulary_shared(ours: Counter[str], theirs: Counter[str]) -> float:
-    """Share of the words that people write, counted as often as they write them, that captions also use."""
+    """Share of the running words of `theirs` that occur in `ours`."""
     return sum(count for word, count in theirs.items() if word in ours) / max(theirs.total(), 1)
 
 
 def phrase_counts() -> dict[str, int]:
-    """How many phrasings there are of each action: verb phrases and labels, each text counted once."""
+    """Action -> number of distinct phrases: verb phrases, labels and clauses about body parts."""
     return {
         action: len({phrase.text for kind in ("verbs", "nouns", "parts") for phrase in entry.phrases(kind)})
         for action, entry in entries().items()

@@ -1,6 +1,6 @@
-"""Hard negatives: scenes that differ from a true one in a single thing that words can say.
+"""Hard negatives: scenes that differ from a given one in a single attribute or in order.
 
-Bag-of-words models tell such pairs apart badly: the order of two steps, left and right, a direction, a count.
+Bag-of-words models confuse such pairs: the order of two steps, left and right, a direction, a count.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def _legal(step: ActionStep) -> bool:
 
 
 def _changes(step: ActionStep) -> list[ActionStep]:
-    """The step with one field turned into what it is not."""
+    """The step with one field changed to a contrary value."""
     changed = []
     if step.side in _OPPOSITE_SIDE:
         changed.append(replace(step, side=_OPPOSITE_SIDE[step.side]))
@@ -42,7 +42,7 @@ def _changes(step: ActionStep) -> list[ActionStep]:
 
 
 def contrasting_scenes(scene: Scene) -> list[Scene]:
-    """Every scene that differs from `scene` in one thing: two neighbouring groups exchanged, or one field turned."""
+    """All scenes that differ from `scene` once: two neighbouring groups swapped, or one field changed."""
     groups = scene.steps
     found = []
     for i in range(len(groups) - 1):
@@ -57,6 +57,6 @@ def contrasting_scenes(scene: Scene) -> list[Scene]:
 
 
 def contrasting_scene(scene: Scene, rng: RandomSource) -> Scene | None:
-    """One of `contrasting_scenes(scene)`; None where nothing can be swapped."""
+    """One of `contrasting_scenes(scene)`; None if there is none."""
     options = contrasting_scenes(scene)
     return pick(rng, options) if options else None

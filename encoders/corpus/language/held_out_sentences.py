@@ -1,4 +1,4 @@
-"""Sentences that no caption may equal: queries and captions on which the model is judged."""
+"""Held-out sentences: queries and captions of the evaluation, which training must not contain."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ _LETTERS = re.compile(r"[^a-z0-9]+")
 
 
 def normal_form(sentence: str) -> str:
-    """Lower case letters and digits with single spaces: what two equal sentences share."""
+    """Lower-case letters and digits with single spaces, by which sentences are compared."""
     return _LETTERS.sub(" ", sentence.lower()).strip()
 
 
 class HeldOutSentences:
-    """Whether a sentence equals one that is held out; made from any sentences, called with one.
+    """A predicate: whether a sentence equals a held-out one up to case and punctuation.
 
     >>> held_out = HeldOutSentences(["A person walks."])
     >>> held_out("a person  walks")
@@ -27,7 +27,7 @@ class HeldOutSentences:
 
     @classmethod
     def read(cls, *paths: Path) -> HeldOutSentences:
-        """From text files: one sentence a line; of tab-separated lines the last column."""
+        """From text files: one sentence per line, or the last column of tab-separated lines."""
         lines = (line for path in paths for line in path.read_text(encoding="utf-8").splitlines())
         return cls(line.split("\t")[-1] for line in lines)
 

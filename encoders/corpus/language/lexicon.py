@@ -1,10 +1,10 @@
-"""The phrases by which people call each action, read from the plain data files in `phrases/`.
+"""The phrases for each action, from the data files in `phrases/`.
 
-An action's entry holds `verbs` (verb phrases in base form), `nouns` (labels), `parts` (whole clauses about one part
-of the body), `as_if` (what the movement resembles, as a gerund) and `cases`: more of the same for steps whose fields
-have the values under `when`. A case with one value for a field says that field; with several it only permits them
-("" is "not set"). `limb` is what a side is a side of: "hand", "arm", "foot", "leg", or "way" for a heading.
-`unsaid` lists fields that are never put into words for the action; `modifiers` replaces or adds ways to say a field.
+An action's entry holds `verbs` (verb phrases in base form), `nouns` (labels), `parts` (clauses about one part of the
+body), `as_if` (comparisons, as a gerund) and `cases`: further phrases for steps whose fields have the values under
+`when`. A case with one value for a field mentions that field; with several it only permits them ("" is unspecified).
+`limb` is what the side belongs to: "hand", "arm", "foot", "leg", or "heading". `never_mentioned` lists fields that
+captions of the action omit; `modifiers` replaces or adds phrases for a field's values.
 
 Slots in a phrase, filled from the step:
 
@@ -13,10 +13,9 @@ Slots in a phrase, filled from the step:
     {dir}                 the direction, nothing if there is none
     {n}                   the count in words: only for steps with a count of two or more
     {n:step}              "a step", "three steps", or "a few steps" where the step has no count
-    {p} {self} {they} {they_are} {they_have} {they_were}     agreeing with the subject
+    {p} {self} {they} {they_are} {they_have} {they_were}     in agreement with the subject
 
-The first word is the verb; where it is not, or there are several, each verb is marked "~": "reach out and ~shake hands"
-marks every further one.
+The first word is the verb. Otherwise, and for further verbs, verbs are marked "~": "reach out and ~shake hands".
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ from encoders.corpus.scene import ActionStep
 PHRASES = Path(__file__).parent / "phrases"
 LIMBS = ("hand", "arm", "fist", "elbow", "shoulder", "foot", "leg", "knee", "hip", "heel", "wrist", "palm", "fingers")
 _SLOT = re.compile(r"\{(\w+)(?::([^}]+))?\}")
-#: Words that imply a value of a field: contrary steps cannot use them, steps that have the value need no more words.
+#: Words that imply a field's value: not for steps with another value; enough for steps with this one.
 _IMPLIES = {
     ("speed", "fast"): re.compile(r"\b(quick|fast|rapid|hurr|rush|dash|speed|swift|race|bolt|sudden|brisk|snap|zoom)"),
     ("speed", "slow"): re.compile(r"\b(slow|leisure|dawdle|inch|plod|trudge|gentl|softly)"),
@@ -43,46 +42,46 @@ _IMPLIES = {
     ("height", "high"): re.compile(r"\b(high|overhead|above|over \{p\} head|towards the ceiling)"),
     ("height", "low"): re.compile(r"\b(low|near the ground)\b"),
 }  # fmt: skip
-#: The fields of a step that words can name, in the order in which they are drawn.
+#: The fields of a step that captions can mention, in the order of random draws.
 FIELDS = ("side", "direction", "speed", "amplitude", "count", "style", "height")
 
 
 @dataclass(frozen=True)
 class Phrase:
-    """One way to name an action.
+    """One phrase for an action.
 
     Attributes
     ----------
     text : str
         With slots and marked verbs.
-    says : frozenset of str
-        The fields of the step that it names; others need words of their own.
+    mentions : frozenset of str
+        The fields of the step that it mentions; others need modifiers.
     """
 
     text: str
-    says: frozenset[str]
+    mentions: frozenset[str]
 
     @cached_property
     def implies(self) -> tuple[tuple[str, str], ...]:
-        """Fields with the values that the words imply though no case names them."""
+        """Pairs of field and value that the words imply."""
         return tuple(pair for pair, words in _IMPLIES.items() if words.search(self.text))
 
-    def said_of(self, step: ActionStep) -> frozenset[str]:
-        """The fields of this step that the phrase names."""
-        return self.says | {field for field, value in self.implies if getattr(step, field) == value}
+    def mentioned_fields(self, step: ActionStep) -> frozenset[str]:
+        """The fields of this step that the phrase mentions."""
+        return self.mentions | {field for field, value in self.implies if getattr(step, field) == value}
 
     @property
     def slots(self) -> frozenset[str]:
         return frozenset(match[1] for match in _SLOT.finditer(self.text))
 
     def fits(self, step: ActionStep) -> bool:
-        """Whether the fields that the slots need are set."""
+        """Whether the fields that the slots need are specified and no word contradicts the step."""
         slots = self.slots
         if slots & {"side", "other"} and step.side not in ("left", "right"):
             return False
         if "n" in slots and step.count < 2 and "{n}" in self.text:
             return False
-        values = {field: value for field, value in self.implies if field not in self.says}
+        values = {field: value for field, value in self.implies if field not in self.mentions}
         return all(getattr(step, field) in ("", value) for field, value in values.items())
 
 
@@ -103,7 +102,7 @@ class Entry:
 
     action: str
     limb: str
-    unsaid: frozenset[str]
+    never_mentioned: frozenset[str]
     modifiers: Mapping[str, Any]
     cases: tuple[Case, ...]
 
@@ -112,16 +111,16 @@ class Entry:
         return [phrase for case in self.cases for phrase in case.phrases[kind]]
 
 
-def _said_by_slots(text: str) -> set[str]:
+def _mentioned_by_slots(text: str) -> set[str]:
     slots = {match[1] for match in _SLOT.finditer(text)}
-    said = set()
+    mentioned = set()
     if slots & {*LIMBS, "side", "other"}:
-        said.add("side")
+        mentioned.add("side")
     if "dir" in slots:
-        said.add("direction")
+        mentioned.add("direction")
     if "n" in slots:
-        said.add("count")
-    return said
+        mentioned.add("count")
+    return mentioned
 
 
 def _case(when: Mapping[str, Any], body: Mapping[str, Any]) -> Case:
@@ -129,11 +128,11 @@ def _case(when: Mapping[str, Any], body: Mapping[str, Any]) -> Case:
     unknown = set(values) - set(FIELDS)
     if unknown:
         raise ValueError(f"phrases: no field {sorted(unknown)} in a step")
-    said = {name for name, v in values.items() if len(v) == 1 and v[0]} | set(body.get("says", ()))
+    mentioned = {name for name, v in values.items() if len(v) == 1 and v[0]} | set(body.get("mentions", ()))
     return Case(
         when=tuple(values.items()),
         phrases={
-            kind: tuple(Phrase(text, frozenset(said | _said_by_slots(text))) for text in body.get(kind, ()))
+            kind: tuple(Phrase(text, frozenset(mentioned | _mentioned_by_slots(text))) for text in body.get(kind, ()))
             for kind in ("verbs", "nouns", "parts", "as_if")
         },
     )
@@ -150,7 +149,7 @@ def entries() -> Mapping[str, Entry]:
             found[action] = Entry(
                 action=action,
                 limb=body.get("limb", "hand"),
-                unsaid=frozenset(body.get("unsaid", ())),
+                never_mentioned=frozenset(body.get("never_mentioned", ())),
                 modifiers=body.get("modifiers", {}),
                 cases=(_case({}, body), *(_case(case["when"], case) for case in body.get("cases", ()))),
             )
@@ -164,7 +163,7 @@ def entry_of(action: str) -> Entry | None:
 
 @cache
 def modifiers() -> Mapping[str, Mapping[str, Mapping[str, list[str]]]]:
-    """Field -> value -> place ("adverb", "after", "adjective") -> ways to say it."""
+    """Field -> value -> position ("adverb", "after", "adjective") -> phrases."""
     loaded: dict[str, dict[str, dict[str, list[str]]]] = json.loads(
         (PHRASES / "modifiers.json").read_text(encoding="utf-8")
     )
@@ -172,7 +171,7 @@ def modifiers() -> Mapping[str, Mapping[str, Mapping[str, list[str]]]]:
 
 
 def modifier(action: str, field: str, value: str) -> Mapping[str, list[str]]:
-    """Ways to say that `field` has `value`, the action's own first."""
+    """Position -> phrases for a field's value: the action's own, else the general ones."""
     entry = entry_of(action)
     own: Mapping[str, Mapping[str, list[str]]] = entry.modifiers.get(field, {}) if entry else {}
     if value in own:
@@ -182,7 +181,7 @@ def modifier(action: str, field: str, value: str) -> Mapping[str, list[str]]:
 
 @lru_cache(maxsize=20000)
 def phrases_for(step: ActionStep, kind: str) -> tuple[tuple[Phrase, ...], ...]:
-    """The phrases of a kind that hold for `step`, one tuple a case, special cases first.
+    """The phrases of a kind that fit `step`, one tuple per case, special cases first.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A human sentence brought into one form: lower case, no subject, common slips mended, fixed phrases in one word."""
+"""Normalisation of human sentences: lower case, typos corrected, fixed phrases as one word, subject removed."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from encoders.corpus.language.lexicon import PHRASES
 
 @cache
 def patterns() -> dict[str, Any]:
-    """The tables of patterns that reading needs: `mends`, `particulars` and `styles` of `phrases/patterns.json`."""
+    """The parser's tables: `corrections`, `attributes` and `styles` of `phrases/patterns.json`."""
     loaded: dict[str, Any] = json.loads((PHRASES / "patterns.json").read_text(encoding="utf-8"))
     return loaded
 
 
 @cache
-def _mends() -> tuple[tuple[re.Pattern[str], str], ...]:
-    """(what people type, what they mean), applied in order to a lower-case sentence."""
-    return tuple((re.compile(pattern), to) for pattern, to in patterns()["mends"])
+def _corrections() -> tuple[tuple[re.Pattern[str], str], ...]:
+    """(pattern, replacement), applied in order to a lower-case sentence."""
+    return tuple((re.compile(pattern), to) for pattern, to in patterns()["corrections"])
 
 
 _SUBJECT = re.compile(
@@ -47,11 +47,11 @@ _AUXILIARY = re.compile(
 
 
 _IMPERSONAL = re.compile(r"^(?:it|this) (?:looks?|seems?|appears?|is) (?:like|as if|as though|that)? ?(?:if )?")
-_BY_HAND = re.compile(
+_INSTRUMENT = re.compile(
     r"\bus(?:es|ed|ing|e) ((?:(?:his|her|their|the|both|a|one|left|right) )+(?:hands?|arms?|legs?|foot|feet|fists?)) "
     r"to (\w+(?: (?!and |then |before |while )\w+)*)"
 )
-_ACTED = re.compile(
+_NOMINALISED = re.compile(
     r"\b(?:makes?|made|making|does|did|doing|do|performs?|performing|performed) "
     r"(?:an? |some |several |the |small |big |few |quick |slow |repeated )*(\w+ing)(?: type)? "
     r"(?:motions?|gestures?|movements?|actions?|moves?|exercises?)\b"
@@ -59,24 +59,24 @@ _ACTED = re.compile(
 
 
 def normalise(sentence: str) -> str:
-    """Lower case, single spaces, no full stop, slips mended, fixed phrases in one word."""
+    """Lower case, single spaces, no full stop, typos corrected, fixed phrases as one word."""
     text = " ".join(sentence.lower().replace("_", " ").split()).strip(" .!\"'")
-    for pattern, to in _mends():
+    for pattern, to in _corrections():
         text = pattern.sub(to, text)
     text = re.sub(r"\s*([,;.])\s*", r"\1 ", text).replace(";", ",").replace(". ", ", then ")
     text = " ".join(re.sub(r"[^a-z0-9,'\- ]", " ", text).split()).strip(" ,")
     text = _IMPERSONAL.sub("", text)
-    text = _ACTED.sub(r"\1", text)  # "makes a throwing motion" -> "throwing"
-    return _BY_HAND.sub(r"\2 with \1", text)  # "uses the left hand to wave" -> "wave with the left hand"
+    text = _NOMINALISED.sub(r"\1", text)  # "makes a throwing motion" -> "throwing"
+    return _INSTRUMENT.sub(r"\2 with \1", text)  # "uses the left hand to wave" -> "wave with the left hand"
 
 
 def drop_subject(clause: str) -> str:
-    """The clause without who moves."""
+    """The clause without its subject."""
     return _SUBJECT.sub("", clause, count=1).strip(" ,")
 
 
 def drop_auxiliaries(clause: str) -> str:
-    """The clause from its full verb: without is, starts to, appears to be, then."""
+    """The clause from its main verb on: without "is", "starts to", "appears to be", "then"."""
     while True:
         shorter = _AUXILIARY.sub("", clause, count=1).strip(" ,")
         if shorter == clause:

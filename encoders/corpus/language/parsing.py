@@ -1,8 +1,8 @@
-"""Human sentences into scenes that the corpus can act out, where they are surely understood.
+"""Parsing: human sentences into scenes that the corpus can synthesise, or nothing in case of doubt.
 
-A sentence is split into clauses; of each clause the verb is looked up, the particulars are taken out, and what is left
-must match a rule of the verb. Where anything is left over, or a program does not honour a particular, there is no
-scene: precision counts, since the sentence becomes a caption of the acted-out motion.
+A sentence is split into clauses. The verb of each clause is looked up, its attributes are extracted, and the remaining
+words must match a rule of the verb. If words are left over, or a program does not support an attribute, there is no
+scene: precision counts, because the sentence becomes a caption of the synthesised motion.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from encoders.corpus.actions.programs import compatible, programs
 from encoders.corpus.language.attributes import extract_attributes
 from encoders.corpus.language.normalisation import drop_auxiliaries, drop_subject, normalise
-from encoders.corpus.language.verbs import ClauseContext, is_verb, lemmas, means_something, step_of
+from encoders.corpus.language.verbs import ClauseContext, is_verb, lemmas, matches_some_rule, step_of
 from encoders.corpus.scene import ActionStep, Scene
 
 _JOINS = re.compile(
@@ -58,16 +58,16 @@ _REPEATABLE = ("then", "and", ",", "next", "finally")
 
 @dataclass
 class Reading:
-    """What was understood of a sentence.
+    """The result of parsing a sentence.
 
     Attributes
     ----------
     scene : Scene or None
-        Where all of it was.
+        If all of it was parsed.
     verbs : list of (str, bool)
-        Main verbs (as written where unknown) and whether the corpus can act them out.
+        Main verbs (as written if unknown) and whether the corpus can synthesise them.
     failed : list of str
-        Clauses that were not understood.
+        Clauses that could not be parsed.
     """
 
     scene: Scene | None = None
@@ -82,7 +82,7 @@ class _Clause:
 
 
 def _head(words: str) -> str:
-    """The first word of a clause that may be its verb."""
+    """The first word of a clause that may be its verb, "" if none."""
     text = drop_auxiliaries(drop_subject(words))
     while True:
         shorter = _ADVERB.sub("", text, count=1)
@@ -93,7 +93,7 @@ def _head(words: str) -> str:
 
 
 def _split(text: str) -> list[_Clause]:
-    """Clauses in the order of the words; "and" and commas split only before a verb."""
+    """Clauses in textual order; "and" and commas split only before a verb."""
     clauses: list[_Clause] = []
     join, start = "", 0
     for match in _JOINS.finditer(text):
@@ -115,7 +115,7 @@ def _split(text: str) -> list[_Clause]:
 
 
 def _verb_and_rest(words: str) -> tuple[str, str, str]:
-    """Base form of the verb ("" if unknown), the word as written, and the other words, adverbs behind."""
+    """Base form of the verb ("" if unknown), the word as written, and the other words with adverbs last."""
     text, adverbs = drop_auxiliaries(drop_subject(words)), []
     while (match := _ADVERB.match(text)) is not None:
         adverbs.append(match[1])
@@ -125,7 +125,7 @@ def _verb_and_rest(words: str) -> tuple[str, str, str]:
 
 
 def _in_order(clauses: list[_Clause]) -> list[_Clause] | None:
-    """Clauses in the order of the actions: what follows "after" comes first; None where that is unclear."""
+    """Clauses in chronological order: what follows "after" comes first; None if ambiguous."""
     afters = [i for i, clause in enumerate(clauses) if clause.join == "after"]
     if not afters:
         return clauses
@@ -136,8 +136,8 @@ def _in_order(clauses: list[_Clause]) -> list[_Clause] | None:
     return None
 
 
-class _Story:
-    """Steps as they are understood, clause by clause."""
+class _SceneBuilder:
+    """The step groups of a scene, added clause by clause."""
 
     def __init__(self) -> None:
         self.groups: list[tuple[ActionStep, ...]] = []
@@ -153,16 +153,16 @@ class _Story:
         return ClauseContext(programs()[last.action].ends, last.action, turned)
 
     def beside(self, step: ActionStep) -> bool:
-        """Whether a step can happen at the same time as the last ones: no part of the body is needed twice."""
+        """Whether a step can be simultaneous with the last group: no body part is needed twice."""
         return bool(self.groups) and compatible(*self.groups[-1], step)
 
     @property
     def goes(self) -> bool:
-        """Whether the performer has left the place."""
+        """Whether any step is locomotion."""
         return any(programs()[step.action].group == "locomotion" for group in self.groups for step in group)
 
     def add(self, step: ActionStep, join: str) -> bool:
-        """Put a step after or beside the last; False where it cannot be."""
+        """Add a step after or beside the last group; False if it fits neither."""
         if step.action in ("stand up", "get up"):
             if self.context.action in _COMES_UP:
                 return True
@@ -186,7 +186,7 @@ class _Story:
         return True
 
     def _absorbs(self, step: ActionStep, join: str) -> bool:
-        """Whether the last step takes the new one up: one movement told as two."""
+        """Whether the last step absorbs the new one: two clauses for one movement."""
         last = self.groups[-1][-1]
         if step.action == "stand" and join in ("while", "as ") and programs()[last.action].starts == "stand":
             return True  # "waves while standing"
@@ -209,8 +209,8 @@ class _Story:
 
 
 def read(sentence: str) -> Reading:
-    """What can be understood of a sentence."""
-    reading, story = Reading(), _Story()
+    """Parse a sentence, and report its verbs and the clauses that fail."""
+    reading, builder = Reading(), _SceneBuilder()
     text = normalise(sentence)
     clauses = _in_order(_split(drop_subject(text)))
     if not clauses:
@@ -221,39 +221,39 @@ def read(sentence: str) -> Reading:
         lemma, verb, rest = _verb_and_rest(clause.words)
         if not verb:
             continue
-        if story.groups and _RETURNS.fullmatch(drop_auxiliaries(drop_subject(clause.words))):
+        if builder.groups and _RETURNS.fullmatch(drop_auxiliaries(drop_subject(clause.words))):
             reading.verbs.append((lemma or verb, True))
-            last = story.groups[-1][-1].action
-            rests = programs()[last].group in ("gesture", "exercise") and not story.goes
+            last = builder.groups[-1][-1].action
+            rests = programs()[last].group in ("gesture", "exercise") and not builder.goes
             if last in _COMES_UP if _UP.search(clause.words) else rests:
                 continue
-        if (not lemma or lemma == "back") and story.lemma and clause.join in _REPEATABLE:
+        if (not lemma or lemma == "back") and builder.lemma and clause.join in _REPEATABLE:
             again = re.sub(r"^(?:then |and )?back (?=to the)", "", clause.words)
             found = extract_attributes(again)  # "walks forward, then backward"
-            stays = story.lemma == "move" and not story.goes  # "moves the arm up, then to the right"
+            stays = builder.lemma == "move" and not builder.goes  # "moves the arm up, then to the right"
             if ((not found.rest and found.fields) or found.rest in _LIMB_ALONE) and not stays:
-                lemma, rest = story.lemma, again
+                lemma, rest = builder.lemma, again
         found = extract_attributes(rest)
         if lemma or verb not in _NO_VERB:
-            reading.verbs.append((lemma or verb, bool(lemma) and means_something(lemma, found)))
+            reading.verbs.append((lemma or verb, bool(lemma) and matches_some_rule(lemma, found)))
         denied = bool(_DENIED.search(clause.words)) and not re.search(
             r"(?:opposite|other) (?:way|direction)", clause.words
         )
-        step = None if found.unsure or denied or not lemma else step_of(lemma, clause.words, found, story.context)
+        step = None if found.unsure or denied or not lemma else step_of(lemma, clause.words, found, builder.context)
         join = clause.join
-        if step is not None and verb.endswith("ing") and story.groups:
+        if step is not None and verb.endswith("ing") and builder.groups:
             aside = join == "," and not before.endswith("ing")  # "walks, looking at the feet"
-            if aside and not story.beside(step) and programs()[step.action].group != "locomotion":
-                step = None  # at once, but no body can
+            if aside and not builder.beside(step) and programs()[step.action].group != "locomotion":
+                step = None  # simultaneous, but the body parts conflict
             elif aside or (join == "and" and before.endswith("ing")):  # "walking and waving"
-                join = "while" if step is not None and story.beside(step) else join
+                join = "while" if step is not None and builder.beside(step) else join
         before = verb
-        if step is None or not story.add(step, join):
+        if step is None or not builder.add(step, join):
             sure = False
             reading.failed.append(clause.words)
-        story.lemma = lemma
-    if sure and story.groups:
-        reading.scene = Scene(tuple(story.groups))
+        builder.lemma = lemma
+    if sure and builder.groups:
+        reading.scene = Scene(tuple(builder.groups))
     return reading
 
 
@@ -263,19 +263,19 @@ def parse(sentence: str, *, strict: bool = True) -> Scene | None:
     Parameters
     ----------
     strict : bool
-        Only where every word that matters was understood; otherwise the clauses that were make a scene.
+        All clauses must parse; otherwise those that do form the scene.
 
     Returns
     -------
     Scene or None
-        None where the sentence is not surely understood.
+        None if the sentence cannot be parsed.
     """
     if strict:
         return read(sentence).scene
-    story = _Story()
+    builder = _SceneBuilder()
     for clause in _in_order(_split(drop_subject(normalise(sentence)))) or ():
         lemma, _, rest = _verb_and_rest(clause.words)
-        step = step_of(lemma, clause.words, extract_attributes(rest), story.context) if lemma else None
+        step = step_of(lemma, clause.words, extract_attributes(rest), builder.context) if lemma else None
         if step is not None:
-            story.add(step, clause.join)
-    return Scene(tuple(story.groups)) if story.groups else None
+            builder.add(step, clause.join)
+    return Scene(tuple(builder.groups)) if builder.groups else None

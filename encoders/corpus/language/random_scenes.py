@@ -1,4 +1,4 @@
-"""Random scenes of the kind that people describe: what they do, in what order, what at once."""
+"""Random scenes with the action frequencies of human captions: steps in sequence, some simultaneous."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from encoders.corpus.language.lexicon import PHRASES, entry_of
 from encoders.corpus.scene import ActionStep, Scene
 
 _LENGTHS = (0.5, 0.28, 0.15, 0.07)  # share of scenes with 1, 2, 3 and 4 steps in sequence
-_AT_ONCE = 0.22  # share of groups with a second action, where one fits
-_CARRIERS = ("locomotion", "posture")  # what a gesture may accompany
-#: How people go, and how often each is drawn where nothing else happens.
+_AT_ONCE = 0.22  # share of groups with a simultaneous second action, if one fits
+_CARRIERS = ("locomotion", "posture")  # groups of actions that a gesture may accompany
+#: Plain gaits and their sampling weights.
 _GAITS = {"walk": 5.0, "run": 4.0, "jog": 2.0, "sprint": 3.0, "sidestep": 1.0, "turn": 1.0}
-_STRAIGHT = 0.5  # share of those that name no direction
-_FLATTEN = 0.5  # exponent on how often people mention an action: 0 all alike, 1 as in their sentences
+_NO_DIRECTION = 0.5  # share of plain gaits without a direction
+_FLATTEN = 0.5  # exponent on the human frequency of an action: 0 uniform, 1 as in HumanML3D
 
 
 @cache
 def mentions() -> dict[str, float]:
-    """How often people mention each action, per thousand actions named in the sentences of HumanML3D."""
+    """Action -> mentions per thousand actions in the captions of HumanML3D."""
     path = PHRASES / "mentions.json"
     counted: dict[str, float] = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     return counted
@@ -36,7 +36,7 @@ def _weight(action: Program) -> float:
 
 @cache
 def _drawable() -> tuple[tuple[Program, float], ...]:
-    """The programs that have words, with their weights."""
+    """The programs with phrases, and their sampling weights."""
     return tuple((action, _weight(action)) for name, action in programs().items() if entry_of(name) is not None)
 
 
@@ -50,7 +50,7 @@ def _draw(rng: Generator, options: list[tuple[Program, float]]) -> Program:
 
 
 def _companion(base: Program, rng: Generator) -> Program | None:
-    """A gesture that leaves free every part that `base` needs."""
+    """A gesture that needs none of the body parts of `base`, or None."""
     fitting = [
         (action, weight)
         for action, weight in _drawable()
@@ -60,11 +60,10 @@ def _companion(base: Program, rng: Generator) -> Program | None:
 
 
 def random_scene(rng: Generator) -> Scene:
-    """One to four steps in sequence, some with a gesture at the same time; every field is legal for its program.
+    """One to four steps in sequence, some with a simultaneous gesture; every field is supported by its program.
 
-    Actions are drawn as often as people mention them, flattened so that rare ones appear, and follow each other only
-    where the one begins in the posture in which the other ends. Style and speed of a gesture that accompanies another
-    action are left open.
+    Actions follow a flattened human frequency, so that rare ones appear, and each starts in the posture in which the
+    previous one ends. A simultaneous gesture has no style and speed of its own.
     """
     length = int(rng.choice(len(_LENGTHS), p=_LENGTHS)) + 1
     detail = float(rng.choice([0.35, 0.6, 0.9]))
@@ -80,7 +79,7 @@ def random_scene(rng: Generator) -> Scene:
             break
         action = _draw(rng, fitting)
         step = sample_step(action, rng, detail=detail)
-        if groups:  # one performer, one style
+        if groups:  # one style per performer
             step = replace(step, style=style if action.styled else "")
         else:
             style = step.style if length == 1 or rng.random() < 0.5 else ""
@@ -96,7 +95,7 @@ def random_scene(rng: Generator) -> Scene:
 
 
 def random_gait(rng: Generator) -> Scene:
-    """Somebody goes, and nothing else: what people ask for most, and must be told apart in every style."""
+    """A plain gait and nothing else: the commonest queries, which need every style."""
     action = _draw(rng, [(programs()[name], weight) for name, weight in _GAITS.items()])
     step = sample_step(action, rng, detail=0.7)
-    return Scene(((replace(step, direction="") if rng.random() < _STRAIGHT else step,),))
+    return Scene(((replace(step, direction="") if rng.random() < _NO_DIRECTION else step,),))

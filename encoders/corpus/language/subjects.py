@@ -1,4 +1,4 @@
-"""Who moves: the subjects of captions and the words that agree with them."""
+"""Subjects of captions, and the words that agree with them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Subject:
     Attributes
     ----------
     text : str
-        "a person"; empty for captions that name nobody.
+        "a person"; empty for captions without a subject.
     gender : str
         "they", "he", "she" or "it": the pronoun.
     plural : bool
@@ -89,18 +89,18 @@ _WEIGHTS = tuple(weight for _, _, weight in _SUBJECTS)
 
 
 def draw_subject(rng: RandomSource) -> Subject:
-    """A subject as people choose them, "a person" half of the time."""
+    """A subject, distributed as in human captions: "a person" half of the time."""
     text, genders, _ = pick_weighted(rng, _SUBJECTS, _WEIGHTS)
     return Subject(text, pick(rng, genders), plural=text == "they")
 
 
-def nobody(rng: RandomSource) -> Subject:
-    """No subject, with a possessive for what is left: "raising their arm", "raising the arm"."""
+def no_subject(rng: RandomSource) -> Subject:
+    """An empty subject with a possessive: "raising their arm", "raising the arm"."""
     return Subject("", pick(rng, ("they", "they", "he", "the", "the")))
 
 
 def with_adjective(subject: Subject, adjective: str) -> Subject | None:
-    """ "a person" -> "a tired person"; None where no adjective fits ("someone", "he")."""
+    """ "a person" -> "a tired person"; None if no adjective fits ("someone", "he")."""
     article, _, noun = subject.text.rpartition(" ")
     if article not in ("a", "an", "the"):
         return None

@@ -1,10 +1,10 @@
-"""How people type: mostly lower case without a full stop, now and then a slip."""
+"""Typing noise: mostly lower case without a full stop, and a rare typo."""
 
 from __future__ import annotations
 
 from encoders.corpus.language.weighted_choice import RandomSource, pick
 
-_SLIP = 0.035  # share of captions with a misspelt word
+_TYPOS = 0.035  # share of captions with a misspelt word
 _MISSPELT = {
     "forward": ("foward", "foreward", "forword"),
     "backwards": ("backwords", "bacwards", "backwads"),
@@ -28,7 +28,7 @@ _MISSPELT = {
 }
 
 
-def _slip(text: str, rng: RandomSource) -> str:
+def _add_typo(text: str, rng: RandomSource) -> str:
     words = text.split()
     i = int(rng.random() * len(words))
     word = words[i]
@@ -44,10 +44,10 @@ def _slip(text: str, rng: RandomSource) -> str:
 
 
 def add_typing_noise(text: str, rng: RandomSource) -> str:
-    """`text` with a person's casing, full stop and, rarely, typing mistakes."""
+    """`text` with the casing and punctuation of human captions and, rarely, a typo."""
     text = " ".join(text.split())
-    if text and rng.random() < _SLIP:
-        text = _slip(text, rng)
+    if text and rng.random() < _TYPOS:
+        text = _add_typo(text, rng)
     if rng.random() < 0.12:
         text = text[:1].upper() + text[1:]
     return text + "." if rng.random() < 0.15 else text

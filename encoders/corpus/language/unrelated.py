@@ -1,4 +1,4 @@
-"""Sentences about anything but motion: right for no clip in training, so that they end far from all of them."""
+"""Out-of-domain sentences: negatives for every motion in training."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _WORDS = (
 
 
 def unrelated_sentence(rng: np.random.Generator) -> str:
-    """One sentence that describes no motion: about things, places and dates, or plain gibberish."""
+    """A sentence that describes no motion: about things, places and dates, or gibberish."""
     if rng.random() < 0.15:
         return " ".join(rng.choice(_WORDS, size=int(rng.integers(1, 5))))
     a, b = rng.choice(_THINGS, size=2, replace=False)

@@ -1,7 +1,7 @@
-"""What verbs mean: a verb with the words around it, as a step of the corpus. The rules are data: `phrases/verbs.json`.
+"""Verb rules: a verb with the words around it, as an action step. The rules are data: `phrases/verbs.json`.
 
-A rule is [pattern, action, conditions]: the pattern must match all words that `particulars` leaves of the clause; an
-action of null says that this cannot be acted out. Conditions set fields or ask for something (`need`).
+A rule is [pattern, action, conditions]: the pattern must match all words that `attributes` leaves of the clause; an
+action of null marks what cannot be synthesised. Conditions set fields or require something (`need`).
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ _NEVER_VERBS = frozenset(
      "right", "left", "circle", "golf", "steps", "step", "button", "iron", "row", "fish"}
 )  # fmt: skip
 _LEG = ("leg", "foot", "knee", "heel", "toe", "thigh", "ankle")
-_FORWARD_ANYWAY = frozenset({"forward", "in place"})  # what a movement without directions does anyway
-_BY_PLACE = frozenset({"pick up", "put down", "sit down", "sit", "stand up"})  # what a floor is a height of
-_WITH_NOUNS = frozenset({"pick up", "put down", "pour", "drink"})  # what any noun may follow
+_FORWARD_ANYWAY = frozenset({"forward", "in place"})  # directions that an action without directions implies
+_BY_PLACE = frozenset({"pick up", "put down", "sit down", "sit", "stand up"})  # actions for which the floor is a height
+_WITH_NOUNS = frozenset({"pick up", "put down", "pour", "drink"})  # actions whose verb any noun may follow
 
 
 @cache
 def rules() -> dict[str, tuple[tuple[re.Pattern[str], str | None, dict[str, str]], ...]]:
-    """Lemma -> its rules in order."""
+    """Lemma -> its rules, in order of precedence."""
     loaded = json.loads((PHRASES / "verbs.json").read_text(encoding="utf-8"))
     return {
         lemma: tuple((re.compile(rule[0]), rule[1], rule[2] if len(rule) > 2 else {}) for rule in entries)
@@ -56,13 +56,13 @@ def lemmas() -> dict[str, str]:
 
 
 def is_verb(word: str) -> bool:
-    """Whether a word that follows "and" begins a clause of its own."""
+    """Whether a word after "and" starts a new clause."""
     return word in lemmas() and (word not in _NEVER_VERBS)
 
 
 @dataclass(frozen=True)
 class ClauseContext:
-    """What came before a clause: the posture it begins in and the action before it ("" at the start)."""
+    """The state before a clause: the posture and the previous action ("" at the start)."""
 
     posture: str = ""
     action: str = ""
@@ -97,7 +97,7 @@ def _needs_met(need: str, clause: str, found: ClauseAttributes, context: ClauseC
 
 
 def _count(found: ClauseAttributes, program: Program) -> int | None:
-    """The count of the step, 0 where none was named, None where the program cannot do it."""
+    """The count of the step, 0 if unspecified, None if the program does not support it."""
     named = int(found.fields.get("count", 0))
     if found.several and not named:
         return min(max(3, program.counts[0]), program.counts[1]) if program.counts else None
@@ -120,7 +120,7 @@ def _direction(found: ClauseAttributes, program: Program) -> str | None:
 
 
 def _side(found: ClauseAttributes, program: Program) -> str | None:
-    """The side of the limb that acts; None where the program acts with another limb or not with that side."""
+    """The side of the limb that acts; None if the program uses another limb or not that side."""
     limb, side = next(((limb, side) for limb, side in found.limbs if side), ("", ""))
     if not side or (side == "both" and not program.sides):
         return ""
@@ -130,7 +130,7 @@ def _side(found: ClauseAttributes, program: Program) -> str | None:
 
 
 def _legal(action: str, fields: dict[str, str], found: ClauseAttributes) -> ActionStep | None:
-    """A step of this action with the clause's particulars; None where the program does not honour one of them."""
+    """The step of an action with the clause's attributes; None if the program does not support one of them."""
     program = programs().get(action)
     if program is None:
         return None
@@ -138,7 +138,7 @@ def _legal(action: str, fields: dict[str, str], found: ClauseAttributes) -> Acti
         way = found.fields.get("direction", "")
         found.fields["direction"] = "forward-right" if way == "right" else "forward-left"
     if fields.get("need") == "around" and found.fields["direction"] in ("around", "clockwise", "counterclockwise"):
-        del found.fields["direction"]  # which way round is not what the program calls a direction
+        del found.fields["direction"]  # the sense of rotation is no direction of the program
     found.fields |= {name: value for name, value in fields.items() if name not in ("need", "arm", "spin", "lying")}
     if found.fields.get("height") == "high" and not program.heights and "up" in program.directions:
         found.fields.pop("height")  # "stretches the arms above the head"
@@ -165,25 +165,25 @@ def _legal(action: str, fields: dict[str, str], found: ClauseAttributes) -> Acti
     return ActionStep(action, side, direction, speed, amplitude, count, style, height)
 
 
-_LIKENESS = re.compile(r" ?(?:as if|as though|like|as) (?:[a-z']+ ?){1,8}$")
-_MIMED = frozenset({"gesture", "object", "sport"})  # but not "talk", which may be any gesture
+_COMPARISON = re.compile(r" ?(?:as if|as though|like|as) (?:[a-z']+ ?){1,8}$")
+_COMPARABLE = frozenset({"gesture", "object", "sport"})  # but not "talk", which may be any gesture
 
 
-def _without_likeness(rest: str) -> tuple[str, bool]:
-    """The words before "as if ..." and whether there was such: what a gesture resembles changes nothing of it."""
-    match = _LIKENESS.search(rest)
+def _without_comparison(rest: str) -> tuple[str, bool]:
+    """The words before a comparison ("as if ...") and whether there was one: it does not change a gesture."""
+    match = _COMPARISON.search(rest)
     if match is None or re.search(r"\b(?:hand|arm|leg|foot|left|right|head)\b", match[0]):
         return rest, False
     return rest[: match.start()].strip(), True
 
 
 def _runs_on(rest: str) -> bool:
-    """Whether a second verb follows without a join: "picks up a cup pours a drink"."""
+    """Whether a second verb follows without a conjunction: "picks up a cup pours a drink"."""
     return " and " not in rest and any(is_verb(word) and lemmas()[word] != word for word in rest.split())
 
 
 def _pronoun_is_limb(action: str, clause: str, context: ClauseContext) -> bool:
-    """Whether what is lifted, held or put down is only "it" or "them", and no thing was in the hands before."""
+    """Whether the object is only "it" or "them" and no object was handled before, so that a limb is meant."""
     if action not in ("lift", "put down", "carry", "pull") or not re.search(r"\b(?:it|them)\b", clause):
         return False
     before = programs().get(context.action)
@@ -191,7 +191,7 @@ def _pronoun_is_limb(action: str, clause: str, context: ClauseContext) -> bool:
 
 
 def _take_number(lemma: str, found: ClauseAttributes) -> None:
-    """The number out of "does three kicks", as the count."""
+    """Move the number of "does three kicks" to the count, in place."""
     number, _, rest = found.rest.partition(" ")
     value = NUMBER_VALUES.get(number, int(number) if number.isdecimal() else 0)
     if lemma in _LIGHT and value and rest and "count" not in found.fields:
@@ -199,16 +199,18 @@ def _take_number(lemma: str, found: ClauseAttributes) -> None:
 
 
 def step_of(lemma: str, clause: str, found: ClauseAttributes, context: ClauseContext) -> ActionStep | None:
-    """The step that a verb and its particulars name; None where no rule fits or its program cannot do it."""
+    """The step for a verb and its attributes; None if no rule matches or the program does not support them."""
     _take_number(lemma, found)
-    plain, likened = _without_likeness(found.rest) if lemma not in ("look", "appear", "seem") else (found.rest, False)
-    for rest, mimed in ((found.rest, False), *([(plain, True)] if likened else [])):
+    plain, compared = (
+        _without_comparison(found.rest) if lemma not in ("look", "appear", "seem") else (found.rest, False)
+    )
+    for rest, mimed in ((found.rest, False), *([(plain, True)] if compared else [])):
         for pattern, action, conditions in rules().get(lemma, ()):
             program = programs().get(action or "")
             if (program is None and action is not None) or (
-                mimed and (program is None or program.group not in _MIMED or action == "talk")
+                mimed and (program is None or program.group not in _COMPARABLE or action == "talk")
             ):
-                continue  # a program that is not there (yet), or one that a likeness would change
+                continue  # an unknown program, or one that a comparison would change
             if pattern.fullmatch(rest) and _needs_met(conditions.get("need", ""), clause, found, context):
                 if (
                     action is None
@@ -220,8 +222,8 @@ def step_of(lemma: str, clause: str, found: ClauseAttributes, context: ClauseCon
     return None
 
 
-def means_something(lemma: str, found: ClauseAttributes) -> bool:
-    """Whether some rule of the verb reads these words, though perhaps not every particular."""
+def matches_some_rule(lemma: str, found: ClauseAttributes) -> bool:
+    """Whether some rule of the verb matches these words, regardless of the attributes."""
     if not rules().get(lemma):
         return False
     if lemma not in _LIGHT:

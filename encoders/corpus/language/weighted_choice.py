@@ -1,4 +1,4 @@
-"""Weighted draws that need of their source of chance no more than `random()` in [0, 1)."""
+"""Weighted random choice, from any source of uniform numbers in [0, 1)."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ Option = TypeVar("Option")
 
 
 class RandomSource(Protocol):
-    """A source of chance: `numpy.random.Generator` and `random.Random` both are."""
+    """A source of uniform numbers in [0, 1): `numpy.random.Generator` and `random.Random` both are."""
 
     def random(self) -> float: ...
 
 
 def pick(rng: RandomSource, options: Sequence[Option]) -> Option:
-    """One of `options`, all alike."""
+    """One of `options`, all with equal probability."""
     return options[int(rng.random() * len(options))]
 
 
 def pick_early(rng: RandomSource, options: Sequence[Option]) -> Option:
-    """One of `options`, the first ones more often: lists open with the words that most people use."""
+    """One of `options`, the first ones more often: phrase lists start with the commonest."""
     return options[int(len(options) * rng.random() ** 1.6)]
 
 
