@@ -19,8 +19,8 @@ from indexer.formats.npy import joints_take
 from indexer.ingest.load import load_motion
 from indexer.rigs.retarget import retarget
 from indexer.take import Take
-from tests.indexer.acting import MIRRORED, Z_UP, Performance, bvh, performance
-from tests.indexer.rigs import RIGS, standing, tree
+from tests.indexer.example_rigs import RIGS, standing, tree
+from tests.indexer.performances import MIRRORED, Z_UP, Performance, bvh, performance
 
 ORDERS = ["".join(order) for order in permutations("XYZ")]
 LIKE_BANDAI = ["bandai", "collar and joint names", "maya advanced skeleton", "source engine", "spanish"]

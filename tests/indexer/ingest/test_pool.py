@@ -38,7 +38,7 @@ def misbehave(path, fps, joint_map):
 
 def read(names, *, jobs=1, patience=20.0, **options):
     requests = [Request(name, Path("/nowhere") / name, **options) for name in names]
-    return dict(read_all(requests, jobs, patience=patience, target="tests.indexer.test_pool:misbehave"))
+    return dict(read_all(requests, jobs, patience=patience, target="tests.indexer.ingest.test_pool:misbehave"))
 
 
 def test_a_motion_comes_back_as_it_was_read():
@@ -88,7 +88,7 @@ def test_results_come_in_order_and_few_are_read_ahead():
             taken.append(number)
             yield Request(number, Path("/nowhere") / str(number))
 
-    reading = read_all(requests(), 2, target="tests.indexer.test_pool:misbehave")
+    reading = read_all(requests(), 2, target="tests.indexer.ingest.test_pool:misbehave")
     assert [next(reading)[0] for _ in range(3)] == [1, 2, 3]
     assert len(taken) < 20
     assert [key for key, _ in reading] == list(range(4, 60))
@@ -97,7 +97,7 @@ def test_results_come_in_order_and_few_are_read_ahead():
 def test_leaving_early_ends_the_processes():
     began = time.monotonic()
     requests = [Request(name, Path("/nowhere") / name) for name in ("1", "hang", "hang", "hang")]
-    reading = read_all(requests, 2, target="tests.indexer.test_pool:misbehave")
+    reading = read_all(requests, 2, target="tests.indexer.ingest.test_pool:misbehave")
     next(reading)
     reading.close()
     assert time.monotonic() - began < 50  # it would hang for 60

@@ -20,7 +20,7 @@ from indexer.store.lock import write_lock
 from indexer.store.stored_library import FOLDER, Caption, StoredLibrary
 from tests.indexer.folders import SmallBundle, moving, write
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture

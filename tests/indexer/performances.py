@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from tests.indexer.rigs import RIGS, standing, tree
+from tests.indexer.example_rigs import RIGS, standing, tree
 
 Z_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 MIRRORED = np.diag([-1.0, 1, 1])

@@ -8,7 +8,7 @@ import pytest
 
 from indexer.vectors.flat import FlatVectors
 from indexer.vectors.index_files import load, save
-from tests.indexer.test_vectors import SIZE, plainly, queries, rows
+from tests.indexer.vectors.test_flat import SIZE, plainly, queries, rows
 
 
 def test_a_file_gives_the_index_back(tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from indexer.vectors import files, flat
+from indexer.vectors import flat, index_files
 from indexer.vectors.clustered import ClusteredBlock
 from indexer.vectors.flat import FlatVectors, Rows
 
@@ -81,8 +81,8 @@ def test_changes_are_seen(clustered, rows):
 
 
 def test_a_file_holds_the_clusters(clustered, tmp_path):
-    files.save(clustered, tmp_path, "windows", "model")
-    again = files.load(tmp_path, "windows", "model", SIZE)
+    index_files.save(clustered, tmp_path, "windows", "model")
+    again = index_files.load(tmp_path, "windows", "model", SIZE)
     assert isinstance(again.main, ClusteredBlock)
     for got, want in zip(again.search(queries(), 20), clustered.search(queries(), 20), strict=True):
         np.testing.assert_array_equal(got, want)

@@ -16,7 +16,7 @@ from encoders.skeleton import JOINTS
 from indexer.formats import npz
 from indexer.formats.table import READABLE, read_take
 from indexer.ingest.load import load_motion
-from tests.indexer.acting import bvh, performance
+from tests.indexer.performances import bvh, performance
 
 
 def saved(array: np.ndarray) -> bytes:

@@ -9,7 +9,7 @@ from encoders.errors import UnknownRig, UnreadableMotion
 from indexer.rigs.joint_names import understand
 from indexer.rigs.mapping import map_names, map_rig
 from indexer.take import Take
-from tests.indexer.rigs import RIGS, standing, tree
+from tests.indexer.example_rigs import RIGS, standing, tree
 
 OPTIONAL = ("collar", "toe", "neck", "head")
 
