@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -37,3 +39,27 @@ def mocap() -> Path:
 def tiny_bundle() -> Path:
     """The folder of a whole bundle with random weights: it runs everything and means nothing."""
     return ROOT / "tests" / "data" / "tiny_bundle"
+
+
+@pytest.fixture(scope="session")
+def indexed_demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with `my_mocap/`: the demo's clips and a long take, indexed with the default model."""
+    import motionseek
+    from search.export import bvh_writer
+
+    folder = tmp_path_factory.mktemp("documented")
+    shutil.copytree(ROOT / "search" / "demo_data", folder / "my_mocap")
+    with (folder / "my_mocap" / "long_take.bvh").open("wb") as file:
+        bvh_writer.write(file, motionseek.load(folder / "my_mocap" / "session_01.amc", fps=30))
+    motionseek.index(folder / "my_mocap", jobs=1)
+    return folder
+
+
+@pytest.fixture
+def documented(indexed_demo: Path) -> Iterator[Path]:
+    """The folder in which a document's commands begin; what they write is removed."""
+    before = set(indexed_demo.rglob("*"))
+    yield indexed_demo
+    for path in set(indexed_demo.rglob("*")) - before:
+        if path.is_file() and ".motionseek" not in path.parts:
+            path.unlink()
