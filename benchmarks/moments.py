@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -26,12 +27,14 @@ from encoders.bundle.windows import WINDOWS_A_LENGTH, window_starts
 from encoders.motion import Motion
 from indexer.ingest.load import load_motion
 from indexer.vectors.flat import FlatVectors, Found, Rows
-from search.moments.boundaries import CURVE_LENGTHS
-from search.moments.localisation import Moment, localise, score_take
-from search.moments.window_scores import Scored, score_windows
+from search.moments.localisation import rank_moments
+from search.moments.queried_motion import QueriedMotion
+from search.moments.window_scores import CURVE_LENGTHS, WindowScores, join, score_windows
 from search.query.encoding import encode_queries
-from search.ranking.clip_scores import best_spans
-from search.spans import iou
+from search.query.question import EncodedQuestion
+from search.ranking.clip_scores import rank_windows
+from search.source import MotionSource
+from search.spans import Moment, temporal_iou
 
 DEMO = Path(__file__).resolve().parent.parent / "search" / "demo_data"
 SENTENCES = ("a person kicks", "a person sits down", "someone climbs a ladder", "a person jumps", "walking backwards")
@@ -71,21 +74,26 @@ def dense(seconds: float = 600.0, alone: int = 200) -> None:
     print(f"each alone in torch fp32, one thread (timed on {len(chosen)}): {plain:.1f} s")
 
     began = time.process_time()
-    full = [score_windows(bundle, features, bundle.fps, window_starts(len(features), s), s, queries) for s in lengths]
+    full = [score_windows(bundle, features, window_starts(len(features), s), s, queries) for s in lengths]
     batched = time.process_time() - began
     print(f"all of them in batches: {batched:.2f} s, {plain / batched:.0f} times as fast")
-    dense_answers = [_from_everything(bundle, features, queries, i, full) for i in range(len(SENTENCES))]
+    source = MotionSource.of_motion(motion)
+    source.features(bundle)
+    dense_answers = [_from_everything(bundle, source, queries, i, full) for i in range(len(SENTENCES))]
     fresh, stored, overlaps = [], [], []
     for i, truth in enumerate(dense_answers):
-        query = queries[i : i + 1]
+        new = MotionSource.of_motion(motion)  # its windows are not encoded yet
+        new.features(bundle)
+        queried = QueriedMotion(bundle, new, EncodedQuestion(queries[i : i + 1]))
         began = time.process_time()
-        coarse = score_take(bundle, features, bundle.fps, query)
-        proposed = time.process_time()
-        found = localise(bundle, features, bundle.fps, query, 1, coarse=coarse)[0]
+        new.windows(bundle)
+        encoded = time.process_time()
+        found = next(rank_moments(queried))
         ended = time.process_time()
         fresh.append(ended - began)
-        stored.append(ended - proposed)
-        overlaps.append((float(iou([found.start], [found.end], truth.start, truth.end)[0]), found.score - truth.score))
+        stored.append(ended - encoded)
+        overlap = float(temporal_iou([found.start], [found.end], truth.start, truth.end)[0])
+        overlaps.append((overlap, found.score - truth.score))
     for name, times in (("a file", fresh), ("an indexed clip", stored)):
         taken = float(np.median(times))
         print(f"moments in {name}: {taken:.3f} s a sentence, {plain / taken:.0f} times as fast")
@@ -93,11 +101,11 @@ def dense(seconds: float = 600.0, alone: int = 200) -> None:
 
 
 def _from_everything(
-    bundle: Bundle, features: NDArray[np.float32], queries: NDArray[np.float32], i: int, full: list[Scored]
+    bundle: Bundle, source: MotionSource, queries: NDArray[np.float32], i: int, full: list[WindowScores]
 ) -> Moment:
     """The answer where every window is a candidate."""
-    scored = [Scored(s.starts, s.ends, s.scores[i : i + 1]) for s in full]
-    return localise(bundle, features, bundle.fps, queries[i : i + 1], 1, coarse=scored)[0]
+    scored = [WindowScores(s.starts, s.ends, s.scores[i : i + 1]) for s in full]
+    return next(rank_moments(QueriedMotion(bundle, source, EncodedQuestion(queries[i : i + 1])), join(scored)))
 
 
 def memory(seconds: float = 7200.0) -> None:
@@ -149,7 +157,7 @@ def library(hours: float = 100.0, queries: int = 200) -> None:
     times = []
     for i in range(queries):
         began = time.process_time()
-        best_spans(simulated, asked[i % len(asked)], 10)
+        list(islice(rank_windows(simulated, asked[i % len(asked)]), 10))
         times.append(1000 * (time.process_time() - began))
     middle, late = np.percentile(times, [50, 95])
     print(f"{hours:g} hours, {len(simulated)} windows: median {middle:.1f} ms, p95 {late:.1f} ms a query")

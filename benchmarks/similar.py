@@ -19,7 +19,7 @@ import numpy as np
 from encoders.bundle.bundle import Bundle
 from encoders.errors import MotionSeekError
 from indexer.ingest.load import load_motion
-from search.ranking.alignment import LONGEST, LOOKED_AT, likeness
+from search.ranking.alignment import LONGEST, RERANKED, alignment_bonus
 
 
 def main(archive: Path) -> None:
@@ -43,8 +43,9 @@ def main(archive: Path) -> None:
     trials = np.array([row["trial"] for row in kept])
     first = []
     for i, scores in enumerate(similarity):
-        near = np.argsort(-scores)[:LOOKED_AT]
-        gains = likeness(bundle, motions[i], [motions[j] for j in near]) if motions[i].duration <= LONGEST else 0.0
+        near = np.argsort(-scores)[:RERANKED]
+        is_short = motions[i].duration <= LONGEST
+        gains = alignment_bonus(bundle, motions[i], [motions[j] for j in near]) if is_short else 0.0
         first.append(trials[near[np.argmax(scores[near] + gains)]])
     found: dict[str, list[bool]] = defaultdict(list)
     for i, row in enumerate(kept):

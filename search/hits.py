@@ -1,17 +1,20 @@
-"""Hit: one answer, a span of a clip."""
+"""Hit: one answer, a span of a motion."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from html import escape
+from pathlib import Path
 from typing import Any, SupportsIndex, overload
 
 from encoders.drawing.player import player
 from encoders.errors import LibraryError
 from encoders.motion import Motion
 
-#: Of a list in a notebook: hits that are shown, and seconds of each.
+STRONG, PLAUSIBLE, WEAK = "strong", "plausible", "weak"
+
+#: In a notebook: hits of a list that are shown, and seconds of each.
 _SHOWN, _SECONDS = 24, 10.0
 
 
@@ -25,20 +28,20 @@ class Step:
     score: float
 
     def document(self) -> dict[str, Any]:
-        """The step as it is written."""
+        """The step as plain data, numbers rounded."""
         return {"text": self.text} | _rounded(self)
 
 
 @dataclass(frozen=True)
 class Hit:
-    """A span of a clip that answers a query.
+    """A span of a motion that answers a query. Hits can be compared and pickled; a pickled one no longer has `read`.
 
     Attributes
     ----------
     rank : int
         1 for the best.
     path : str
-        The clip's path, relative to its indexed folder where it has one.
+        The clip's path, relative to its root; the path as given for a file that is not indexed.
     score : float
         Cosine similarity to the query, -1 to 1.
     strength : str
@@ -50,11 +53,15 @@ class Hit:
     caption : str
         The clip's caption, empty where it has none.
     clip_id : int
-        The clip's number in its library, -1 for a file that is not indexed.
+        The clip's number in its library, -1 for a motion that is not indexed.
     steps : tuple of Step
         The spans of the steps, where the question has some.
-    read : callable, optional
-        The motion of the span, as long as its library is open.
+    root : str
+        Name of the indexed folder that holds the clip, unique in its library; empty for a motion that is not indexed.
+    file : Path or None
+        The absolute path of the source file; None for a motion without one.
+    read : callable or None
+        Gives the Motion of the span, as long as its library is open.
     """
 
     rank: int
@@ -67,17 +74,29 @@ class Hit:
     caption: str = ""
     clip_id: int = -1
     steps: tuple[Step, ...] = ()
+    root: str = ""
+    file: Path | None = None
     read: Callable[[], Motion] | None = field(default=None, repr=False, compare=False)
 
     def document(self) -> dict[str, Any]:
-        """The hit as the command line and the server write it: stable keys, rounded numbers."""
-        named = {"rank": self.rank, "path": self.path, "strength": self.strength, "caption": self.caption}
-        numbers = _rounded(self) | {"duration": round(self.duration, 3)}
-        fields = {name: (named | numbers)[name] for name in _KEYS}
-        return fields | ({"steps": [step.document() for step in self.steps]} if self.steps else {})
+        """The hit as plain data with stable keys and rounded numbers, as the command line and the server write it.
+
+        `clip` and `root` are None for a motion that is not indexed; `steps` is there where the question has some.
+        """
+        span = _rounded(self)
+        fields = {"rank": self.rank, "path": self.path, "score": span["score"], "strength": self.strength}
+        fields |= {"start": span["start"], "end": span["end"], "duration": round(self.duration, 3)}
+        fields["caption"] = self.caption
+        if self.steps:
+            fields["steps"] = [step.document() for step in self.steps]
+        indexed = self.clip_id >= 0
+        return fields | {"clip": self.clip_id if indexed else None, "root": self.root if indexed else None}
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"read": None}
 
     def _repr_html_(self) -> str | None:
-        """The hit, moving, in a notebook; None where its motion is out of reach."""
+        """The hit, moving, in a notebook; None where its motion cannot be read."""
         return Hits([self])._repr_html_()
 
 
@@ -91,8 +110,29 @@ class Hits(list[Hit]):
     def __getitem__(self, at: SupportsIndex | slice) -> Hit | Hits:
         return Hits(super().__getitem__(at)) if isinstance(at, slice) else super().__getitem__(at)
 
+    @property
+    def nothing_matches(self) -> bool:
+        """Whether there are hits and all are weak: then nothing in the library matches the query."""
+        return bool(self) and all(hit.strength == WEAK for hit in self)
+
+    def to_dicts(self) -> list[dict[str, Any]]:
+        """Every hit as `Hit.document` gives it."""
+        return [hit.document() for hit in self]
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame with one row for each hit and the keys of `Hit.document` as columns.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        import pandas
+
+        return pandas.DataFrame(self.to_dicts())
+
     def _repr_html_(self) -> str | None:
-        """The hits, moving, in a notebook; None where there is none whose motion is within reach."""
+        """The hits, moving, in a notebook; None where no motion can be read."""
         try:
             shown = [(hit.read(), _legend(hit)) for hit in self[:_SHOWN] if hit.read is not None]
         except LibraryError:  # closed since
@@ -108,12 +148,9 @@ class Hits(list[Hit]):
 
 
 def _legend(hit: Hit) -> str:
-    said = f" · {hit.caption}" if hit.caption else ""
-    found = f"{hit.rank}. {hit.score:.2f} {hit.strength}".rstrip()
-    return f"{found} · {hit.path} · {hit.start:.1f}–{hit.end:.1f} s{said}"
-
-
-_KEYS = ("rank", "path", "score", "strength", "start", "end", "duration", "caption")
+    caption = f" · {hit.caption}" if hit.caption else ""
+    ranked = f"{hit.rank}. {hit.score:.2f} {hit.strength}".rstrip()
+    return f"{ranked} · {hit.path} · {hit.start:.1f}–{hit.end:.1f} s{caption}"
 
 
 def _rounded(span: Step | Hit) -> dict[str, float]:

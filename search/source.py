@@ -1,4 +1,4 @@
-"""Source: a motion that is asked about, whether a clip of the library or a file that no library holds."""
+"""MotionSource: a motion to search in, whether a clip of a library, a file that is not indexed, or in memory."""
 
 from __future__ import annotations
 
@@ -20,9 +20,11 @@ from indexer.ingest.load import load_motion
 from indexer.ingest.unindexed import read_as_known
 from indexer.store.clips import Caption, Clip
 from indexer.store.stored_library import StoredLibrary
+from search.hits import Hit, Step
+from search.spans import Moment
 
-#: Names held against one that no clip has.
-_LOOKED_THROUGH = 5000
+#: Clips whose names are compared with one that no clip has.
+_NAMES_COMPARED = 5000
 
 
 @dataclass(frozen=True)
@@ -39,22 +41,23 @@ class MotionSource:
         Seconds.
     read : callable
         (start, end) in seconds, end None for the end -> Motion.
-    captions : sequence of Caption
-    stored : sequence of Windows
-        Its windows in the library; empty where none holds it.
     clip_id : int
         -1 where no library holds it.
+    root : str
+        Name of the indexed folder that holds it; empty where none does.
+    library : StoredLibrary or None
+        The library whose stored captions and windows are its own.
     """
 
     path: str
     file: Path | None
     duration: float
     read: Callable[[float, float | None], Motion]
-    captions: Sequence[Caption] = ()
-    stored: Sequence[Windows] = ()
     clip_id: int = -1
+    root: str = ""
+    library: StoredLibrary | None = field(default=None, repr=False)
     _features: dict[str, NDArray[np.float32]] = field(default_factory=dict, repr=False)
-    _windows: dict[str, list[Windows]] = field(default_factory=dict, repr=False)
+    _windows: dict[str, Sequence[Windows]] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of_clip(cls, library: StoredLibrary, clip: Clip) -> MotionSource:
@@ -63,14 +66,13 @@ class MotionSource:
         def read(start: float, end: float | None) -> Motion:
             return library.motion(clip.id, start, end)
 
-        captions, windows = library.captions(clip.id), library.windows(clip.id)
-        return cls(clip.path, clip.file, clip.duration, read, captions, windows, clip.id)
+        return cls(clip.path, clip.file, clip.duration, read, clip.id, clip.root_name, library)
 
     @classmethod
     def of_file(
         cls, path: str | PathLike[str], library: StoredLibrary | None = None, *, fps: float | None = None
     ) -> MotionSource:
-        """A file, read now: as a library would read it, where one is given.
+        """A file, read now, with the read options of a library where one is given.
 
         Parameters
         ----------
@@ -95,6 +97,11 @@ class MotionSource:
         """The whole motion."""
         return self.read(0.0, None)
 
+    @cached_property
+    def captions(self) -> Sequence[Caption]:
+        """Its captions in the library; none where no library holds it."""
+        return () if self.library is None else self.library.captions(self.clip_id)
+
     def features(self, bundle: Encoder) -> NDArray[np.float32]:
         """The features (T', F) of the whole motion that a model reads."""
         if bundle.fingerprint not in self._features:
@@ -103,11 +110,11 @@ class MotionSource:
 
     def windows(self, bundle: Encoder) -> Sequence[Windows]:
         """Its encoded windows: those of the library, else those that a library would hold, shortest first."""
-        if self.stored:
-            return self.stored
         if bundle.fingerprint not in self._windows:
-            (windows,) = encode_grids(bundle, [self.features(bundle)], [self.duration])
-            self._windows[bundle.fingerprint] = windows
+            stored = () if self.library is None else self.library.windows(self.clip_id)
+            self._windows[bundle.fingerprint] = (
+                stored or encode_grids(bundle, [self.features(bundle)], [self.duration])[0]
+            )
         return self._windows[bundle.fingerprint]
 
     def cut(self, start: float | None = None, end: float | None = None) -> Motion:
@@ -124,6 +131,32 @@ class MotionSource:
             return self.read(start or 0.0, end)
         except ValueError as error:
             raise QueryError(f"{self.path}: {error}; give a start and end inside it, in seconds") from None
+
+    def caption(self, start: float, end: float) -> str:
+        """The caption of a span: the timed one that overlaps it longest, else one of the whole clip, else ""."""
+        timed = [(min(c.end, end) - max(c.start or 0.0, start), c.text) for c in self.captions if c.end is not None]
+        if timed and max(timed)[0] > 0:
+            return max(timed)[1]
+        return next((c.text for c in self.captions if c.end is None), "")
+
+    def hit(self, rank: int, moment: Moment, strength: str, steps: tuple[Step, ...] = ()) -> Hit:
+        """A moment of this motion as an answer."""
+        end = min(moment.end, self.duration)
+        return Hit(
+            rank=rank,
+            path=self.path,
+            score=moment.score,
+            strength=strength,
+            start=moment.start,
+            end=end,
+            duration=self.duration,
+            caption=self.caption(moment.start, moment.end),
+            clip_id=self.clip_id,
+            steps=steps,
+            root=self.root,
+            file=None if self.file is None else self.file.absolute(),
+            read=lambda: self.cut(moment.start, end),
+        )
 
 
 def find_clip(library: StoredLibrary, ref: str | PathLike[str]) -> Clip | None:
@@ -170,21 +203,22 @@ def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps:
     try:
         clip = find_clip(library, ref)
     except UnknownClip as error:
-        raise UnknownClip(f"{error}{_perhaps(library, fspath(ref))}") from None
+        raise UnknownClip(f"{error}{_suggestion(library, fspath(ref))}") from None
     if clip is None:
         return MotionSource.of_file(ref, library, fps=fps)
     if fps is not None:
         if clip.file is None:
             raise QueryError(f"{clip.path}: was added as an array; it has no file to read at another frame rate")
-        return replace(MotionSource.of_file(clip.file, library, fps=fps), path=clip.path, clip_id=clip.id)
+        source = MotionSource.of_file(clip.file, library, fps=fps)
+        return replace(source, path=clip.path, clip_id=clip.id, root=clip.root_name)
     return MotionSource.of_clip(library, clip)
 
 
-def _perhaps(library: StoredLibrary, ref: str) -> str:
-    """What may have been meant by a reference that names no clip, or several."""
+def _suggestion(library: StoredLibrary, ref: str) -> str:
+    """Clips that a reference may have meant which names no clip, or several."""
     if library.ids("clips.name = ?", [ref]).size:
         return ""
-    clips = library.clips(library.ids()[:_LOOKED_THROUGH]).values()
+    clips = library.clips(library.ids()[:_NAMES_COMPARED]).values()
     if ref.isdigit() and int(ref) in (clip.id for clip in clips):
         return f"; did you mean '#{ref}'?"
     meant = {name: clip.path for clip in clips for name in (clip.path, clip.name)}

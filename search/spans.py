@@ -1,20 +1,59 @@
-"""Spans of time: overlap and non-maximum suppression."""
+"""Spans of time: moments, their overlap, length bonus and non-maximum suppression."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import islice
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+#: Two answers of one motion overlap by at most this intersection over union.
+MAX_OVERLAP = 0.3
+#: What doubling its length adds to the score of a window, and of a moment: a window inside a long action scores like
+#: the whole action.
+WINDOW_BONUS, MOMENT_BONUS = 0.03, 0.02
 
-def iou(starts: ArrayLike, ends: ArrayLike, start: float, end: float) -> NDArray[np.float64]:
+_SHORTEST = 0.1  # seconds
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A span of a motion and its similarity to a query.
+
+    Attributes
+    ----------
+    start, end : float
+        Seconds.
+    score : float
+        Cosine similarity, the mean over the span.
+    peak : float, optional
+        The highest similarity in the span.
+    """
+
+    start: float
+    end: float
+    score: float
+    peak: float | None = field(default=None, compare=False)
+
+    @property
+    def peak_score(self) -> float:
+        """What its strength is calibrated on: the peak, or the score of a span that is one window."""
+        return self.score if self.peak is None else self.peak
+
+
+def length_adjusted(scores: NDArray[np.floating], seconds: NDArray[np.floating], bonus: float) -> NDArray[np.float64]:
+    """Scores (..., N) of spans of `seconds` (N,), with `bonus` added for each doubling of the length."""
+    return np.asarray(scores + bonus * np.log2(np.maximum(seconds, _SHORTEST)), np.float64)
+
+
+def temporal_iou(starts: ArrayLike, ends: ArrayLike, start: float, end: float) -> NDArray[np.float64]:
     """Temporal intersection over union of each span with the span from `start` to `end`.
 
     Parameters
     ----------
     starts, ends : array-like (N,)
+        Seconds.
 
     Returns
     -------
@@ -26,28 +65,20 @@ def iou(starts: ArrayLike, ends: ArrayLike, start: float, end: float) -> NDArray
     return np.asarray(shared / np.maximum(union, 1e-9), dtype=np.float64)
 
 
-def best_first(starts: ArrayLike, ends: ArrayLike, scores: ArrayLike, *, overlap: float) -> Iterator[int]:
-    """Temporal non-maximum suppression: the spans that overlap no better one, one by one, best first.
+def temporal_nms(
+    starts: ArrayLike, ends: ArrayLike, scores: ArrayLike, *, max_overlap: float = MAX_OVERLAP
+) -> Iterator[int]:
+    """Temporal non-maximum suppression: the indices of the spans that remain, best first.
 
     Parameters
     ----------
     starts, ends, scores : array-like (N,)
-    overlap : float
-        Spans with a larger intersection over union with a better one are dropped.
-
-    Yields
-    ------
-    int
-        Indices.
+    max_overlap : float
+        A span whose intersection over union with a better one is larger is suppressed.
     """
     starts, ends = np.asarray(starts, np.float64), np.asarray(ends, np.float64)
     order = np.argsort(-np.asarray(scores), kind="stable")
     while len(order):
         best, order = int(order[0]), order[1:]
         yield best
-        order = order[iou(starts[order], ends[order], starts[best], ends[best]) <= overlap]
-
-
-def suppress(starts: ArrayLike, ends: ArrayLike, scores: ArrayLike, k: int, *, overlap: float) -> NDArray[np.int64]:
-    """The first k, at most, of `best_first`: int64 array."""
-    return np.array(list(islice(best_first(starts, ends, scores, overlap=overlap), k)), dtype=np.int64)
+        order = order[temporal_iou(starts[order], ends[order], starts[best], ends[best]) <= max_overlap]

@@ -19,7 +19,7 @@ ROOMS = {
     "encoders": ("errors skeleton geometry english drawing motion features protocol bundle metrics corpus tmr".split()),
     "indexer": "take formats rigs vectors store ingest datasets".split(),
     "search": (
-        "spans hits source query ranking moments library export drawing map evaluate release server cli".split()
+        "spans hits source query ranking moments export drawing library map evaluate release server cli".split()
     ),
 }
 PACKAGES = tuple(ROOMS)
@@ -30,10 +30,7 @@ ORDER = {
 }
 
 #: What is still to be mended. Every list is exact: what has been mended must leave it.
-UPWARD = {
-    ("search.query", "search.moments"),
-    ("search.ranking", "search.moments"),
-}
+UPWARD: set[tuple[str, str]] = set()
 CYCLES: set[tuple[str, ...]] = set()
 IMPORTING_FOLDERS: set[str] = set()
 

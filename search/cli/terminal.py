@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.text import Text
 
-    from search.hits import Hit
+    from search.hits import Hits
     from search.library import Library
     from search.query.question import Question
 
@@ -106,7 +106,7 @@ def _styled(cell: str) -> Text:
     return Text(cell, style=_COLOURS.get(cell, ""))
 
 
-def hits(found: Sequence[Hit], query: str, *, as_json: bool) -> None:
+def hits(found: Hits, query: str, *, as_json: bool) -> None:
     """Print the answers to a query."""
     if as_json:
         document({"query": query, "hits": [hit.document() for hit in found]})
@@ -115,7 +115,7 @@ def hits(found: Sequence[Hit], query: str, *, as_json: bool) -> None:
         (str(h.rank), f"{h.score:.3f}", h.strength, f"{h.start:.1f}", f"{h.end:.1f}", h.path, h.caption) for h in found
     ]
     table(_HIT_COLUMNS, rows, right=("", "score", "start", "end"), below=("clip", "caption"))
-    if found and all(hit.strength == "weak" for hit in found):
+    if found.nothing_matches:
         note("nothing here matches; these are the nearest")
 
 
@@ -138,7 +138,7 @@ def strip(values: Sequence[float], width: int) -> str:
 
 def answer(
     question: Question,
-    found: Sequence[Hit],
+    found: Hits,
     curve: Curve | None = None,
     *,
     as_json: bool,

@@ -11,7 +11,8 @@ from encoders.corpus.composition.long_takes import AnnotatedTake, Annotation
 from encoders.protocol import Encoder
 from indexer.vectors.flat import FlatVectors, Found, Rows
 from search.evaluate.moment_metrics import Overlaps, Spans, best_overlaps
-from search.moments.across_clips import best_moments
+from search.moments.across_library import best_moments
+from search.query.question import EncodedQuestion
 from search.source import MotionSource
 
 Vectors = NDArray[np.float32]
@@ -61,7 +62,7 @@ class TakeGallery:
         """
         any_take, own_take = Overlaps(), Overlaps()
         for own, annotation, query in self._queries:
-            found = best_moments(self._bundle, self, self._sources.__getitem__, query[None], k)
+            found = best_moments(self._bundle, self, self._sources.__getitem__, EncodedQuestion(query[None]), k)
             overlaps = np.array(
                 [
                     best_overlaps([(moment.start, moment.end)], self._truth(number, own, annotation))[0]

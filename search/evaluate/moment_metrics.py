@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from search.spans import iou
+from search.spans import temporal_iou
 
 Spans = Sequence[tuple[float, float]]
 
@@ -18,7 +18,7 @@ THRESHOLDS = tuple(round(0.1 * i, 1) for i in range(1, 10))
 def best_overlaps(answers: Spans, truth: Spans) -> NDArray[np.float64]:
     """Intersection over union (N,) of each answer with its best true span; 0 where there is no true span."""
     starts, ends = np.array([a for a, _ in answers]), np.array([b for _, b in answers])
-    overlaps = [np.zeros(len(answers)), *(iou(starts, ends, start, end) for start, end in truth)]
+    overlaps = [np.zeros(len(answers)), *(temporal_iou(starts, ends, start, end) for start, end in truth)]
     return np.asarray(np.max(overlaps, axis=0), np.float64)
 
 

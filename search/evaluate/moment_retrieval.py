@@ -21,10 +21,11 @@ from search.evaluate.moment_metrics import Overlaps, Spans, best_overlaps
 from search.evaluate.moments_baseline import SIZES, best_of
 from search.evaluate.sequence_questions import draw_sequences, search_sequence, sequence_figures
 from search.evaluate.window_cache import WindowCache
-from search.moments.boundaries import CURVE_LENGTHS
-from search.moments.one_take import find
+from search.moments.one_motion import find
+from search.moments.queried_motion import QueriedMotion
+from search.moments.window_scores import CURVE_LENGTHS
 from search.query.encoding import encode_queries
-from search.query.question import Question
+from search.query.question import EncodedQuestion
 from search.source import MotionSource
 
 _ANSWERS = 10
@@ -87,8 +88,8 @@ def _search_take(
     windows = _grid_spans(len(source.features(cached)), encoder.fps)
     baseline = best_of(encoder, take.motion, queries)
     for annotation, query, slid in zip(take.annotations, queries, baseline, strict=True):
-        found = find(cached, source, Question((annotation.sentence,)), query[None], _ANSWERS)
-        moments = [(moment.start, moment.end) for moment, _ in found]
+        found = find(QueriedMotion(cached, source, EncodedQuestion(query[None])), _ANSWERS)
+        moments = [(answer.moment.start, answer.moment.end) for answer in found]
         best = [(slid[0].start, slid[0].end)]
         methods["motionseek"].add(moments, annotation.spans)
         for size in SIZES:

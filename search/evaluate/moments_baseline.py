@@ -13,13 +13,13 @@ import numpy as np
 from encoders.bundle.windows import window_starts
 from encoders.motion import FPS, Motion
 from encoders.protocol import Encoder
-from search.moments.localisation import Moment
-from search.moments.window_scores import Scored, Vectors, join, score_windows
+from search.moments.window_scores import Vectors, WindowScores, join, score_windows
+from search.spans import Moment
 
 SIZES = (20, 40, 60)
 
 
-def slide(encoder: Encoder, motion: Motion, queries: Vectors, size: int) -> Scored:
+def slide(encoder: Encoder, motion: Motion, queries: Vectors, size: int) -> WindowScores:
     """Scores of windows of `size` frames at 20 frames a second, one at every frame, for queries (Q, D).
 
     For a model with fewer feature frames a second the take is encoded once for each phase between two of its frames.
@@ -32,14 +32,14 @@ def slide(encoder: Encoder, motion: Motion, queries: Vectors, size: int) -> Scor
         if phase and len(features) < length:
             break
         fitting = min(length, len(features))
-        found = score_windows(encoder, features, encoder.fps, window_starts(len(features), fitting), fitting, queries)
-        parts.append(Scored(found.starts + phase / FPS, found.ends + phase / FPS, found.scores))
+        found = score_windows(encoder, features, window_starts(len(features), fitting), fitting, queries)
+        parts.append(WindowScores(found.starts + phase / FPS, found.ends + phase / FPS, found.scores))
     windows = join(parts)
     order = np.argsort(windows.starts, kind="stable")
-    return Scored(windows.starts[order], windows.ends[order], windows.scores[:, order])
+    return WindowScores(windows.starts[order], windows.ends[order], windows.scores[:, order])
 
 
-def best_place(windows: Scored, query: int = 0) -> Moment:
+def best_place(windows: WindowScores, query: int = 0) -> Moment:
     """The window most similar to a query, by the query's number."""
     i = int(np.argmax(windows.scores[query]))
     return Moment(float(windows.starts[i]), float(windows.ends[i]), float(windows.scores[query, i]))

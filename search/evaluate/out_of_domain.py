@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from encoders.errors import BundleError
 from encoders.protocol import Encoder
+from search.hits import PLAUSIBLE, STRONG
 from search.query.encoding import encode_queries
-from search.ranking import strength
+from search.query.question import EncodedQuestion
+from search.ranking.strength import judge
 
 _SENTENCES = Path(__file__).parent / "data" / "out_of_domain.txt"
 
@@ -28,11 +30,11 @@ def evaluate_out_of_domain(encoder: Encoder, gallery: NDArray[np.float32]) -> di
     sentences = [line for line in _SENTENCES.read_text(encoding="utf-8").splitlines() if line.strip()]
     queries = encode_queries(encoder, sentences)
     strengths = [
-        strength.downgrade(encoder, [sentence], strength.judge(encoder, query, [float(np.max(gallery @ query))]))[0]
+        judge(encoder, EncodedQuestion(query[None], (sentence,)), [float(np.max(gallery @ query))])[0]
         for sentence, query in zip(sentences, queries, strict=True)
     ]
     return {
         "sentences": float(len(sentences)),
-        "strong": 100 * float(np.mean([s == strength.STRONG for s in strengths])),
-        "plausible": 100 * float(np.mean([s == strength.PLAUSIBLE for s in strengths])),
+        "strong": 100 * float(np.mean([s == STRONG for s in strengths])),
+        "plausible": 100 * float(np.mean([s == PLAUSIBLE for s in strengths])),
     }

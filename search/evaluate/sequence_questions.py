@@ -10,10 +10,11 @@ from numpy.random import Generator
 from encoders.corpus.composition.long_takes import AnnotatedTake, Event
 from encoders.protocol import Encoder
 from search.evaluate.moment_metrics import Spans
-from search.moments.one_take import find
+from search.moments.one_motion import find
+from search.moments.queried_motion import QueriedMotion
 from search.query.question import Question
 from search.source import MotionSource
-from search.spans import iou
+from search.spans import temporal_iou
 
 _STEPS = 3
 
@@ -33,18 +34,19 @@ def search_sequence(encoder: Encoder, source: MotionSource, take: AnnotatedTake,
     question = Question.of(", then ".join(texts))
     if len(question.sentences) != len(events):
         return 0.0
-    found = find(encoder, source, question, question.encode(encoder), 1)
+    found = find(QueriedMotion(encoder, source, question.encode(encoder)), 1)
     if not found:
         return 0.0
     truth = {annotation.sentence: annotation.spans for annotation in take.annotations}
-    return sequence_overlap([(step.start, step.end) for step in found[0][1]], [truth[e.sentence] for e in events])
+    return sequence_overlap([(step.start, step.end) for step in found[0].steps], [truth[e.sentence] for e in events])
 
 
 def sequence_overlap(found: Spans, truths: list[Spans]) -> float:
     """Intersection over union of the worst step with its truth, for the best true spans that follow one another."""
     sequences = (spans for spans in product(*truths) if all(a[0] < b[0] for a, b in pairwise(spans)))
     overlaps = (
-        min(float(iou([a], [b], *true)[0]) for (a, b), true in zip(found, spans, strict=True)) for spans in sequences
+        min(float(temporal_iou([a], [b], *true)[0]) for (a, b), true in zip(found, spans, strict=True))
+        for spans in sequences
     )
     return max(overlaps, default=0.0)
 

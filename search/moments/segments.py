@@ -1,4 +1,4 @@
-"""Who does what when: a whole take divided among labels, with "nothing known" allowed."""
+"""Segments: a whole motion divided among labels, with an empty label where none fits."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from encoders.motion import Motion
 from encoders.protocol import Encoder
-from search.moments.boundaries import frame_curve
-from search.moments.window_scores import Vectors
+from search.moments.window_scores import Vectors, frame_curve
 from search.query.encoding import encode_queries
 
 #: The label of what none of the labels fits.
@@ -19,7 +18,7 @@ UNKNOWN = ""
 
 #: What changing the label costs, in seconds times cosine.
 _SWITCH = 0.075
-#: A label must stand so far above what nine of ten unrelated motions score for it.
+#: A label must score so much more than nine of ten unrelated motions score for it.
 _MARGIN = 0.02
 _BACKGROUND_PERCENTILE = 90
 
@@ -41,7 +40,7 @@ def segment(bundle: Encoder, motion: Motion, labels: Sequence[str]) -> list[Segm
     algorithm with a cost for each change.
     """
     queries = encode_queries(bundle, labels)
-    similarity = frame_curve(bundle, bundle.features(motion), bundle.fps, queries)
+    similarity = frame_curve(bundle, bundle.features(motion), queries)
     excess = similarity - _unrelated(bundle, queries, similarity)[:, None] - _MARGIN
     path = best_path(np.vstack([np.zeros(excess.shape[1]), excess]), _SWITCH * bundle.fps)
     starts = np.flatnonzero(np.diff(path, prepend=-1))

@@ -1,4 +1,4 @@
-"""Windows of a take encoded densely and compared with queries, in bounded memory."""
+"""Windows of a motion compared with queries, and the similarity over time that they give, in bounded memory."""
 
 from __future__ import annotations
 
@@ -14,13 +14,18 @@ from encoders.protocol import Encoder
 Vectors = NDArray[np.float32]
 Frames = NDArray[np.int64]
 
+#: Lengths in seconds of the windows whose similarities are averaged at each instant of a frame curve, and the stride
+#: in frames from one to the next.
+CURVE_LENGTHS = (2.0, 2.8, 4.0)
+STRIDE = 2
+
 #: Windows whose vectors are held at once.
 _CHUNK = 4096
 
 
 @dataclass(frozen=True)
-class Scored:
-    """Windows of a take, most often of one length, and their similarity to each query.
+class WindowScores:
+    """Windows of a motion, most often of one length, and their similarity to each query.
 
     Attributes
     ----------
@@ -39,26 +44,22 @@ class Scored:
         return self.ends - self.starts
 
 
-def join(parts: Sequence[Scored]) -> Scored:
+def join(parts: Sequence[WindowScores]) -> WindowScores:
     """All windows of all parts."""
-    return Scored(
+    return WindowScores(
         np.concatenate([p.starts for p in parts]),
         np.concatenate([p.ends for p in parts]),
         np.concatenate([p.scores for p in parts], axis=1),
     )
 
 
-def score_windows(
-    encoder: Encoder, features: Vectors, fps: float, starts: Frames, length: int, queries: Vectors
-) -> Scored:
+def score_windows(encoder: Encoder, features: Vectors, starts: Frames, length: int, queries: Vectors) -> WindowScores:
     """Windows of one length compared with queries.
 
     Parameters
     ----------
     features : float32 array (T', F)
-        Of the whole take.
-    fps : float
-        Feature frames a second.
+        Of the motion.
     starts : int64 array (N,)
         First feature frames.
     length : int
@@ -70,18 +71,33 @@ def score_windows(
     for first in range(0, len(starts), _CHUNK):
         chunk = slice(first, first + _CHUNK)
         scores[:, chunk] = queries @ encoder.encode_windows(features, starts[chunk], length).T
-    return Scored(starts / fps, (starts + length) / fps, scores)
+    return WindowScores(starts / encoder.fps, (starts + length) / encoder.fps, scores)
 
 
-def curve(windows: Scored, times: NDArray[np.float64]) -> Vectors:
-    """Similarity over time, (Q, T): that of the window centred at each time, interpolated between the centres.
+def similarity_at(windows: WindowScores, times: NDArray[np.float64]) -> Vectors:
+    """Similarity over time (Q, T): that of the window centred at each time, interpolated between the centres.
 
     Parameters
     ----------
-    windows : Scored
+    windows : WindowScores
         Of one length, in order.
     times : float64 array (T,)
         Seconds.
     """
     centres = (windows.starts + windows.ends) / 2
     return interpolate(windows.scores, np.interp(times, centres, np.arange(len(centres))), axis=1)
+
+
+def frame_curve(encoder: Encoder, features: Vectors, queries: Vectors) -> Vectors:
+    """Similarity over time (Q, T') of features (T', F) to queries (Q, D), one value for each feature frame.
+
+    The mean of the curves of windows of `CURVE_LENGTHS`, which start at every other frame.
+    """
+    frames = len(features)
+    times = (np.arange(frames, dtype=np.float64) + 0.5) / encoder.fps
+    curves = []
+    for seconds in CURVE_LENGTHS:
+        length = min(round(seconds * encoder.fps), frames)
+        starts = np.arange(0, frames - length + 1, STRIDE)
+        curves.append(similarity_at(score_windows(encoder, features, starts, length, queries), times))
+    return np.asarray(np.mean(curves, axis=0), np.float32)

@@ -1,13 +1,15 @@
-"""Question: what is asked of a take, as one or several sentences, in order or at once."""
+"""Question: one or several sentences, in order or at the same time, and their query vectors."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from encoders.errors import QueryError
 from encoders.protocol import Encoder
-from search.moments.window_scores import Vectors
 from search.query.encoding import encode_queries
 from search.query.steps import split
 
@@ -35,14 +37,20 @@ class Question:
         *,
         split_steps: bool = True,
     ) -> Question:
-        """The question that a sentence, explicit steps, or things at the same time make; any of them may be missing.
+        """The question of a sentence, explicit steps, or things at the same time; any of them may be missing.
 
         Raises
         ------
         QueryError
-            If nothing is asked, or both an order and things at the same time are.
+            If there is no sentence, one is no text, or both an order and things at the same time are given.
         """
+        for name, texts in (("then", steps), ("meanwhile", meanwhile)):
+            if isinstance(texts, (str, bytes)):
+                raise QueryError(f"{name}={texts!r}: give a list of sentences, such as {name}=[{texts!r}]")
         given = [text for text in (sentence, *steps, *meanwhile) if text is not None]
+        for text in given:
+            if not isinstance(text, str):
+                raise QueryError(f"a sentence must be text, not {type(text).__name__}")
         if not given or not all(any(character.isalnum() for character in text) for text in given):
             raise QueryError('the sentence is empty; describe a movement in words, such as "a person waves"')
         if meanwhile and steps:
@@ -53,9 +61,31 @@ class Question:
             given = split(given[0])
         return cls(tuple(given), "then" if len(given) > 1 else "alone")
 
-    def encode(self, bundle: Encoder) -> Vectors:
-        """The sentences as unit vectors (S, D)."""
-        return encode_queries(bundle, self.sentences)
+    def encode(self, encoder: Encoder) -> EncodedQuestion:
+        """The question with its query vectors."""
+        return EncodedQuestion(encode_queries(encoder, self.sentences), self.sentences, self.how)
 
     def __str__(self) -> str:
         return f", {self.how} ".join(self.sentences)
+
+
+@dataclass(frozen=True, eq=False)
+class EncodedQuestion:
+    """Query vectors and what they stand for.
+
+    Attributes
+    ----------
+    vectors : float32 array (S, D)
+        Unit vectors, one for each sentence.
+    sentences : tuple of str
+        Empty where the query is a vector or a motion.
+    how : str
+        See `Question`.
+    kind : str
+        "sentence" or "motion": what the vectors were encoded from.
+    """
+
+    vectors: NDArray[np.float32]
+    sentences: tuple[str, ...] = ()
+    how: str = "alone"
+    kind: str = "sentence"

@@ -96,5 +96,5 @@ def _top_hits(
         np.fill_diagonal(similarity, -np.inf)
     best = np.argsort(-similarity, axis=1)[:, : min(_HITS, len(gallery) - skip_self)]
     scores = np.take_along_axis(similarity, best, axis=1)
-    evidence = [strength.evidence(q, s, background) for q, s in zip(queries, scores, strict=True)]
+    evidence = [strength.score_statistics(q, s, background) for q, s in zip(queries, scores, strict=True)]
     return np.concatenate(evidence), np.take_along_axis(right, best, axis=1).ravel()

@@ -1,4 +1,4 @@
-"""What speaks for each clip: its whole-clip vector or its best window."""
+"""Clip scores: that of the whole-clip vector, or of the best window."""
 
 from __future__ import annotations
 
@@ -10,28 +10,26 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from indexer.store.stored_library import StoredLibrary
-from search.moments.localisation import LARGEST_OVERLAP, fitness
-from search.spans import best_first, iou
+from search.spans import MAX_OVERLAP, WINDOW_BONUS, Moment, length_adjusted, temporal_iou, temporal_nms
 
 Vectors = NDArray[np.float32]
 
-#: A window must beat the whole clip by this much to speak for it: the best of many windows is high by chance too.
+#: A window must beat the whole clip by this much to be its score: the best of many windows is high by chance too.
 WINDOW_MARGIN = 0.02
 
-#: Clips and windows fetched first where clips are wanted; four times as many whenever they leave the next one open.
+#: Clips and windows fetched first where clips are ranked; four times as many whenever the next clip is undecided.
 _FIRST_ROWS = 160
 _MOST_WINDOWS = 16384
-#: Windows fetched for each clip asked for where several sentences are, four times as many until they name enough.
+#: Windows fetched for each clip wanted of several sentences; four times as many until they come from enough clips.
 _PER_CLIP = 16
-#: Windows fetched first where spans are wanted; four times as many whenever they have run out.
+#: Windows fetched first where windows are ranked; four times as many whenever they have run out.
 _FIRST_WINDOWS = 640
-#: Clips named first where all that answer several sentences are wanted; as above.
+#: Clips ranked first for several sentences; as above.
 _FIRST_CLIPS = 20
 
 
 class WindowGallery(Protocol):
-    """The windows of many clips, as `indexer.store.stored_library.Library` has them."""
+    """The windows of many clips, as `indexer.store.stored_library.StoredLibrary` has them."""
 
     def __len__(self) -> int:
         """How many clips."""
@@ -40,6 +38,15 @@ class WindowGallery(Protocol):
         self, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
     ) -> tuple[Vectors, NDArray[np.int64], Vectors, Vectors]:
         """Scores, clip ids, starts and ends, each (Q, k); id -1 where there are fewer."""
+
+
+class ClipGallery(WindowGallery, Protocol):
+    """The whole-clip vectors, too."""
+
+    def nearest_clips(
+        self, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
+    ) -> tuple[Vectors, NDArray[np.int64]]:
+        """Scores and clip ids, each (Q, k); id -1 where there are fewer."""
 
 
 @dataclass(frozen=True)
@@ -51,33 +58,39 @@ class ClipScore:
     start: float | None = None
     end: float | None = None
 
+    def moment(self, duration: float) -> Moment:
+        """The span, of a clip of `duration` seconds."""
+        if self.start is None or self.end is None:
+            return Moment(0.0, duration, self.score)
+        return Moment(self.start, self.end, self.score)
+
 
 def best_clips(
-    library: StoredLibrary,
+    library: ClipGallery,
     query: Vectors,
     k: int,
     *,
     allowed: NDArray[np.int64] | None = None,
     windows: bool = True,
 ) -> list[ClipScore]:
-    """The first k, at most, of `clips_in_order`."""
-    return list(islice(clips_in_order(library, query, allowed=allowed, windows=windows), k))
+    """The first k, at most, of `rank_clips`."""
+    return list(islice(rank_clips(library, query, allowed=allowed, windows=windows), k))
 
 
-def clips_in_order(
-    library: StoredLibrary, query: Vectors, *, allowed: NDArray[np.int64] | None = None, windows: bool = True
+def rank_clips(
+    library: ClipGallery, query: Vectors, *, allowed: NDArray[np.int64] | None = None, windows: bool = True
 ) -> Iterator[ClipScore]:
-    """The best evidence of every clip for a unit vector (D,), best first, as long as one asks.
+    """The score of every clip for a unit vector (D,), best first, as far as it is consumed.
 
-    A clip is given once nothing that has not been fetched could come before it or say more for it (the threshold
-    algorithm of Fagin, Lotem and Naor, 2001): the order does not depend on how many are asked for.
+    A clip comes once nothing that has not been fetched could come before it or score more in it (the threshold
+    algorithm of Fagin, Lotem and Naor, 2001): the order does not depend on how many are consumed.
 
     Parameters
     ----------
     allowed : sorted int64 array, optional
-        The clips to choose from.
+        Ids of the clips to choose from; all if not given.
     windows : bool
-        Whether windows speak for their clips, too.
+        Whether a window may score for its clip.
     """
     if len(library) == 0 or (allowed is not None and len(allowed) == 0):
         return
@@ -101,7 +114,7 @@ def clips_in_order(
 
 
 def _wholes(
-    library: StoredLibrary, query: Vectors, count: int, allowed: NDArray[np.int64] | None
+    library: ClipGallery, query: Vectors, count: int, allowed: NDArray[np.int64] | None
 ) -> tuple[dict[int, ClipScore], float]:
     """The clips nearest as wholes, and what no other one scores more than."""
     scores, ids = (a[0] for a in library.nearest_clips(query[None], count, allowed=allowed))
@@ -110,11 +123,11 @@ def _wholes(
 
 
 def _best_windows(
-    library: StoredLibrary, query: Vectors, count: int, allowed: NDArray[np.int64] | None
+    library: ClipGallery, query: Vectors, count: int, allowed: NDArray[np.int64] | None
 ) -> tuple[list[ClipScore], float]:
     """The best window of each clip among the nearest ones, and what no other window scores more than.
 
-    Where as many are fetched as ever are, the others have no say.
+    Where the most are fetched that ever are, the others do not count.
     """
     scores, ids, starts, ends = (a[0] for a in library.nearest_windows(query[None], count, allowed=allowed))
     _, first = np.unique(ids, return_index=True)
@@ -122,10 +135,10 @@ def _best_windows(
     return [e for e in best if e.clip_id >= 0], float(scores[-1]) if count < _MOST_WINDOWS else -np.inf
 
 
-def likeliest(
-    library: StoredLibrary, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
+def _candidate_clips(
+    library: ClipGallery, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
 ) -> list[int]:
-    """The k clips most likely to hold an answer to all queries (Q, D): by the sum of their best windows."""
+    """The k clips most likely to hold an answer to all queries (Q, D), by the sum of their best window scores."""
     if k < 1 or len(library) == 0 or (allowed is not None and len(allowed) == 0):
         return []
     best = [{e.clip_id: e.score for e in _windows_of(library, query, k, allowed)} for query in queries]
@@ -137,14 +150,17 @@ def likeliest(
     return sorted(totals, key=lambda clip: -totals[clip])[:k]
 
 
-def likeliest_in_order(
-    library: StoredLibrary, queries: Vectors, *, allowed: NDArray[np.int64] | None = None
+def rank_candidate_clips(
+    library: ClipGallery, queries: Vectors, *, allowed: NDArray[np.int64] | None = None
 ) -> Iterator[int]:
-    """The clips of `likeliest`, as many as are asked for, in an order that does not depend on how many."""
+    """The clips by how likely they hold an answer to all queries (Q, D), the sum of their best window scores.
+
+    The order does not depend on how many are consumed.
+    """
     given: set[int] = set()
     count = _FIRST_CLIPS
     while True:
-        named = [clip for clip in likeliest(library, queries, count, allowed=allowed) if clip not in given]
+        named = [clip for clip in _candidate_clips(library, queries, count, allowed=allowed) if clip not in given]
         yield from named
         given.update(named)
         if len(given) < count:
@@ -152,13 +168,13 @@ def likeliest_in_order(
         count *= 4
 
 
-def spans_in_order(
+def rank_windows(
     gallery: WindowGallery, query: Vectors, *, allowed: NDArray[np.int64] | None = None
 ) -> Iterator[ClipScore]:
-    """The best windows of all clips for a unit vector (D,) of which no two overlap, best first, as long as one asks.
+    """The best windows of all clips for a unit vector (D,) of which no two overlap, best first.
 
     The best of few fetched windows come first, then what more fetched ones add: the order does not depend on how many
-    are asked for.
+    are consumed.
     """
     if len(gallery) == 0 or (allowed is not None and len(allowed) == 0):
         return
@@ -167,22 +183,15 @@ def spans_in_order(
     while True:
         scores, ids, starts, ends = (a[0] for a in gallery.nearest_windows(query[None], count, allowed=allowed))
         real = ids >= 0
-        for evidence in _apart(scores[real], ids[real], starts[real], ends[real], given):
-            given.append(evidence)
-            yield evidence
+        for window in _without_overlap(scores[real], ids[real], starts[real], ends[real], given):
+            given.append(window)
+            yield window
         if real.sum() < count or count >= _MOST_WINDOWS:
             return
         count *= 4
 
 
-def best_spans(
-    gallery: WindowGallery, query: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
-) -> list[ClipScore]:
-    """The first k, at most, of `spans_in_order`."""
-    return list(islice(spans_in_order(gallery, query, allowed=allowed), k))
-
-
-def _apart(
+def _without_overlap(
     scores: Vectors, ids: NDArray[np.int64], starts: Vectors, ends: Vectors, given: list[ClipScore]
 ) -> Iterator[ClipScore]:
     """The windows that overlap none of those given and no better one, best first."""
@@ -193,14 +202,14 @@ def _apart(
     free = np.ones(len(ids), bool)
     for e in given:
         shift = e.clip_id * length
-        free &= iou(begin, end, (e.start or 0.0) + shift, (e.end or 0.0) + shift) <= LARGEST_OVERLAP
+        free &= temporal_iou(begin, end, (e.start or 0.0) + shift, (e.end or 0.0) + shift) <= MAX_OVERLAP
     left = np.flatnonzero(free)
-    value = fitness(scores[left], (ends - starts)[left])
-    for i in map(left.__getitem__, best_first(begin[left], end[left], value, overlap=LARGEST_OVERLAP)):
+    value = length_adjusted(scores[left], (ends - starts)[left], WINDOW_BONUS)
+    for i in map(left.__getitem__, temporal_nms(begin[left], end[left], value)):
         yield ClipScore(int(ids[i]), float(scores[i]), float(starts[i]), float(ends[i]))
 
 
-def _windows_of(library: StoredLibrary, query: Vectors, k: int, allowed: NDArray[np.int64] | None) -> list[ClipScore]:
+def _windows_of(library: ClipGallery, query: Vectors, k: int, allowed: NDArray[np.int64] | None) -> list[ClipScore]:
     """The best window of each of at least k clips, fewer only where there are no more."""
     count = _PER_CLIP * k
     while True:

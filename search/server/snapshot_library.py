@@ -23,6 +23,7 @@ from indexer.vectors.sync import CLIPS, WINDOWS
 from search.hits import Hit
 from search.library import Library
 from search.query.encoding import encode_queries
+from search.query.question import EncodedQuestion
 from search.server.answer_cache import AnswerCache, StaleCriterion
 from search.server.cache import Cache
 
@@ -228,4 +229,5 @@ class SnapshotLibrary(Library):
 
     def _search_once(self, request: SearchRequest) -> list[Hit]:
         self.snapshot  # noqa: B018  raises where the library cannot be searched
-        return self._sentence_hits(request.text, request.query, request.k, request.filters)
+        question = EncodedQuestion(request.query[None], (request.text,))
+        return self.search_encoded(question, request.k, **request.filters)

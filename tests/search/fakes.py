@@ -7,6 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from encoders.motion import Motion
+from search.moments.queried_motion import QueriedMotion
+from search.query.question import EncodedQuestion
+from search.source import MotionSource
 
 FPS = 10.0
 DIMENSIONS = 8
@@ -62,3 +65,12 @@ def take(seconds: float, *actions: tuple[float, float, int], seed: int = 0) -> n
 def query(*kinds: int) -> np.ndarray:
     """Unit vectors (Q, D) that ask for the kinds."""
     return np.eye(DIMENSIONS, dtype=np.float32)[list(kinds)]
+
+
+def queried(features: np.ndarray, *kinds: int, encoder: MeanEncoder | None = None) -> QueriedMotion:
+    """A question for the kinds, asked of a motion whose first numbers are these features."""
+    joints = np.zeros((len(features), 66), np.float32)
+    joints[:, :DIMENSIONS] = features
+    vectors = np.pad(query(*kinds), ((0, 0), (0, 66 - DIMENSIONS)))
+    motion = MotionSource.of_motion(Motion(joints.reshape(-1, 22, 3), FPS))
+    return QueriedMotion(encoder or MeanEncoder(), motion, EncodedQuestion(vectors, tuple(map(str, kinds))))

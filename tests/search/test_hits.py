@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import pickle
 from pathlib import Path
 
 import pytest
@@ -10,8 +11,7 @@ import pytest
 from encoders.bundle.bundle import Bundle
 from search.hits import Hit, Hits
 from search.library import Library
-from search.moments import one_take
-from search.moments.localisation import Moment
+from search.spans import Moment
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def test_every_question_answers_with_hits_that_show_themselves(library: Library)
 
 def test_a_hit_shows_its_own_span(library: Library) -> None:
     with library:
-        hit = one_take.hit(1, library.source("take 3"), Moment(2.0, 5.5, 0.4), "")
+        hit = library.source("take 3").hit(1, Moment(2.0, 5.5, 0.4), "")
         assert hit.read is not None
         assert hit.read().duration == pytest.approx(hit.end - hit.start, abs=0.06)
         html = hit._repr_html_()
@@ -69,3 +69,45 @@ def test_a_long_list_says_how_many_it_leaves_out(library: Library) -> None:
     assert html is not None
     assert html.count("data-motionseek=") == 24
     assert "and 6 more" in html
+
+
+def test_two_files_of_one_name_are_told_apart_by_number_and_root(library: Library) -> None:
+    with library:
+        hit = library.search("walks", 1)[0]
+        clip = library.clip(hit.clip_id)
+    assert (hit.path, hit.root, hit.file) == (clip.path, clip.root.name, clip.file)
+    assert hit.document()["clip"] == hit.clip_id
+    assert hit.document()["root"] == hit.root
+
+
+def test_the_document_of_a_motion_that_is_not_indexed_names_no_clip() -> None:
+    document = Hit(1, "a.bvh", 0.5, "", 0, 1, 1).document()
+    assert document["clip"] is None
+    assert document["root"] is None
+
+
+def test_a_pickled_hit_says_the_same_and_reads_nothing(library: Library) -> None:
+    with library:
+        found = library.moments("walks, then sits", k=2)
+        again = pickle.loads(pickle.dumps(found))
+    assert again == found
+    assert isinstance(again, Hits)
+    assert again[0].read is None
+    assert hash(again[0]) == hash(found[0])
+
+
+def test_hits_become_dicts_and_a_table(library: Library) -> None:
+    with library:
+        found = library.search("walks", 3)
+    assert found.to_dicts() == [hit.document() for hit in found]
+    pandas = pytest.importorskip("pandas")
+    table = found.to_pandas()
+    assert isinstance(table, pandas.DataFrame)
+    assert table["path"].tolist() == [hit.path for hit in found]
+
+
+def test_nothing_matches_where_all_hits_are_weak() -> None:
+    weak, plausible = (Hit(1, "a.bvh", 0.5, strength, 0, 1, 1) for strength in ("weak", "plausible"))
+    assert Hits([weak, weak]).nothing_matches
+    assert not Hits([plausible, weak]).nothing_matches
+    assert not Hits().nothing_matches

@@ -94,13 +94,15 @@ def _locate(library: Library, moment: dict[str, str], picture: Path, say: Any) -
     """Find a sentence in a long take and draw similarity over time."""
     from search.cli import terminal
     from search.drawing.plots import plot_moments
-    from search.moments.one_take import curves, moments_in
+    from search.moments.one_motion import moments_of
+    from search.moments.queried_motion import QueriedMotion
     from search.query.question import Question
 
     source = library.source(moment["clip"])
     question = Question.of(moment["sentence"])
-    found = moments_in(library.bundle, source, question, 3)
-    times, similarity = curves(library.bundle, source, question.encode(library.bundle))
+    motion = QueriedMotion(library.bundle, source, question.encode(library.bundle))
+    found = moments_of(motion, 3)
+    times, similarity = motion.curve()
     plot_moments(picture, question, source, found, times, similarity)
     say(f'$ motionseek moments "{question}" {source.path} -k 3 --plot moment.png')
     if say is print:

@@ -28,7 +28,7 @@ def describe(
       motionseek describe long_take.bvh --start 12 --end 14.5 -k 3
     """
     from search.cli import terminal
-    from search.moments.one_take import describe_motion
+    from search.ranking.description import describe_motion
 
     with options.open_source(ref, folder, fps=fps) as (bundle, source, library):
         texts, _, vectors = library.caption_vectors() if library else ((), None, None)

@@ -74,11 +74,13 @@ def moments(
         terminal.answer(question, found, as_json=as_json)
         return
 
-    from search.moments.one_take import curves, moments_in
+    from search.moments.one_motion import moments_of
+    from search.moments.queried_motion import QueriedMotion
 
     with options.open_source(ref, folder, fps=fps) as (bundle, source, _):
-        found = moments_in(bundle, source, question, k)
-        times, similarity = curves(bundle, source, question.encode(bundle))
+        motion = QueriedMotion(bundle, source, question.encode(bundle))
+        found = moments_of(motion, k)
+        times, similarity = motion.curve()
     if plot is not None:
         plot_moments(plot, question, source, found, times, similarity)
     terminal.answer(question, found, (times, similarity), as_json=as_json, width=shutil.get_terminal_size().columns)

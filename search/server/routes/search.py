@@ -7,8 +7,10 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request, Response
 
 from search.hits import Hit
-from search.moments.one_take import curves, describe_motion, moments_in
+from search.moments.one_motion import moments_of
+from search.moments.queried_motion import QueriedMotion
 from search.query.question import Question
+from search.ranking.description import describe_motion
 from search.server import response_models
 from search.server.app_state import AppState
 from search.server.exception_handlers import ANY, NO_CLIP, UPLOAD, ok
@@ -74,9 +76,9 @@ def routes(state: AppState) -> APIRouter:
             return to_json(_moments(question, _documents(hits)))
 
         def in_clip(ref: str) -> bytes:
-            source = state.source(ref)
-            hits = moments_in(library.bundle, source, question, offset + k)[offset:]
-            return to_json(_moments(question, _documents(hits, ref)) | {"curve": _curve(state, source, question)})
+            motion = QueriedMotion(library.bundle, state.source(ref), question.encode(library.bundle))
+            hits = moments_of(motion, offset + k)[offset:]
+            return to_json(_moments(question, _documents(hits, ref)) | {"curve": _curve(motion)})
 
         make = in_library if clip is None else lambda: in_clip(clip)
         return bytes_response(await state.cached(_key(request), make))
@@ -89,7 +91,8 @@ def routes(state: AppState) -> APIRouter:
         def make() -> bytes:
             source = state.source(clip)
             named = {"clip": _ref(source, clip), "path": source.path, "duration": round(source.duration, 3)}
-            return to_json(named | _curve(state, source, question))
+            motion = QueriedMotion(library.bundle, source, question.encode(library.bundle))
+            return to_json(named | _curve(motion))
 
         return bytes_response(await state.cached(_key(request), make))
 
@@ -166,7 +169,7 @@ def _key(request: Request) -> tuple[str, bytes]:
 
 def _documents(hits: list[Hit], upload: str | None = None) -> list[dict[str, Any]]:
     """Hits as JSON content; `upload` is the key of the upload they are in."""
-    return [hit.document() | {"clip": hit.clip_id if hit.clip_id >= 0 else upload} for hit in hits]
+    return [hit.document() | ({"clip": upload} if hit.clip_id < 0 else {}) for hit in hits]
 
 
 def _ref(source: MotionSource, ref: str) -> int | str:
@@ -193,8 +196,7 @@ def _moments(question: Question, hits: list[dict[str, Any]]) -> dict[str, Any]:
     return content
 
 
-def _curve(state: AppState, source: MotionSource, question: Question) -> dict[str, Any]:
-    bundle = state.library.bundle
-    times, similarity = curves(bundle, source, question.encode(bundle))
-    named = zip(question.sentences, similarity.round(4).astype(float).round(4).tolist(), strict=True)
+def _curve(motion: QueriedMotion) -> dict[str, Any]:
+    times, similarity = motion.curve()
+    named = zip(motion.question.sentences, similarity.round(4).astype(float).round(4).tolist(), strict=True)
     return {"times": times.round(3).tolist(), "similarity": dict(named)}

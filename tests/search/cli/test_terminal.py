@@ -5,18 +5,20 @@ from __future__ import annotations
 import pytest
 
 from search.cli import terminal
-from search.hits import Hit
+from search.hits import Hit, Hits
 from search.query.question import Question
 
 NAME = "sehr langer Ordner/モーション_歩く_とても長い名前_final_v2.bvh"
 
 
 @pytest.fixture
-def found() -> list[Hit]:
-    return [
-        Hit(1, NAME, 0.5, "plausible", 0.0, 3.0, 9.0, "walks\tfar\nand wide", 1),
-        Hit(2, "a  b.bvh", 0.25, "weak", 1.0, 2.0, 9.0, "", 2),
-    ]
+def found() -> Hits:
+    return Hits(
+        [
+            Hit(1, NAME, 0.5, "plausible", 0.0, 3.0, 9.0, "walks\tfar\nand wide", 1),
+            Hit(2, "a  b.bvh", 0.25, "weak", 1.0, 2.0, 9.0, "", 2),
+        ]
+    )
 
 
 @pytest.fixture
@@ -26,7 +28,7 @@ def width(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> in
     return int(request.param)
 
 
-def test_a_pipe_gets_a_line_a_hit_with_its_name_as_it_is(found: list[Hit], capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_pipe_gets_a_line_a_hit_with_its_name_as_it_is(found: Hits, capsys: pytest.CaptureFixture[str]) -> None:
     terminal.hits(found, "walks", as_json=False)
     first, second = capsys.readouterr().out.splitlines()
     assert first.split("\t") == ["1", "0.500", "plausible", "0.0", "3.0", NAME, "walks far and wide"]
@@ -34,14 +36,14 @@ def test_a_pipe_gets_a_line_a_hit_with_its_name_as_it_is(found: list[Hit], capsy
 
 
 def test_no_moment_is_said_so(capsys: pytest.CaptureFixture[str]) -> None:
-    terminal.answer(Question.of("walks, then sits"), [], as_json=False)
+    terminal.answer(Question.of("walks, then sits"), Hits(), as_json=False)
     said = capsys.readouterr()
     assert said.out == ""
     assert "nothing found" in said.err
 
 
 @pytest.mark.parametrize("width", [30, 40, 60, 80, 200], indirect=True)
-def test_nothing_is_lost_or_too_wide(found: list[Hit], width: int, capsys: pytest.CaptureFixture[str]) -> None:
+def test_nothing_is_lost_or_too_wide(found: Hits, width: int, capsys: pytest.CaptureFixture[str]) -> None:
     from rich.cells import cell_len
 
     terminal.hits(found, "walks", as_json=False)
@@ -54,7 +56,7 @@ def test_nothing_is_lost_or_too_wide(found: list[Hit], width: int, capsys: pytes
 
 @pytest.mark.parametrize("width", [40], indirect=True)
 def test_a_narrow_terminal_gets_the_name_below_the_numbers(
-    found: list[Hit], width: int, capsys: pytest.CaptureFixture[str]
+    found: Hits, width: int, capsys: pytest.CaptureFixture[str]
 ) -> None:
     terminal.hits(found[1:], "walks", as_json=False)
     assert [line.rstrip() for line in capsys.readouterr().out.splitlines()] == [
@@ -73,7 +75,7 @@ def test_a_name_cannot_steer_the_terminal(width: int, capsys: pytest.CaptureFixt
 
 @pytest.mark.parametrize("width", [120], indirect=True)
 def test_colours_can_be_switched_off(
-    found: list[Hit], width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    found: Hits, width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("FORCE_COLOR", "1")
     terminal.hits(found, "walks", as_json=False)

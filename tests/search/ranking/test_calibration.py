@@ -7,8 +7,9 @@ import pytest
 
 from encoders.corpus.composition.synthetic_pairs import SyntheticClip
 from encoders.corpus.scene import ActionStep, Scene
-from search.ranking import strength
+from search.query.question import EncodedQuestion
 from search.ranking.calibration import calibrate
+from search.ranking.strength import judge
 from tests.search.answers import SENTENCES, KnownAnswers
 
 
@@ -42,18 +43,20 @@ def test_right_hits_are_strong_and_out_of_domain_ones_weak(calibration: dict[str
     bundle = KnownAnswers(calibration)
     right = bundle.encode_features([clip(1, 99).features])[0]
     one, nothing = bundle.encode_texts(["one", "nothing"])
-    assert strength.judge(bundle, one, [float(one @ right)]) == ["strong"]
-    assert strength.judge(bundle, nothing, [float(nothing @ right)]) == ["weak"]
+    assert judge(bundle, EncodedQuestion(one[None]), [float(one @ right)]) == ["strong"]
+    assert judge(bundle, EncodedQuestion(nothing[None]), [float(nothing @ right)]) == ["weak"]
 
 
-def test_sentences_in_foreign_words_are_doubted(calibration: dict[str, np.ndarray]) -> None:
+def test_hits_of_a_sentence_out_of_vocabulary_are_downgraded(calibration: dict[str, np.ndarray]) -> None:
     bundle = KnownAnswers(calibration)
-    assert strength.downgrade(bundle, ["one"], ["strong"]) == ["strong"]
-    assert strength.downgrade(bundle, ["lorem ipsum"], ["strong"]) == ["plausible"]
+    right = bundle.encode_features([clip(1, 99).features])[0]
+    (one,) = bundle.encode_texts(["one"])
+    for sentence, strength in (("one", "strong"), ("lorem ipsum", "plausible")):
+        assert judge(bundle, EncodedQuestion(one[None], (sentence,)), [float(one @ right)]) == [strength]
 
 
 def test_a_motion_is_judged_by_other_motions_never_by_itself(calibration: dict[str, np.ndarray]) -> None:
     bundle = KnownAnswers(calibration)
     motion, alike, other = bundle.encode_features([clip(1, 99).features, clip(1, 98).features, clip(2, 97).features])
     scores = [float(motion @ alike), float(motion @ other)]
-    assert strength.judge(bundle, motion, scores, asked="motion") == ["strong", "weak"]
+    assert judge(bundle, EncodedQuestion(motion[None], kind="motion"), scores) == ["strong", "weak"]

@@ -10,7 +10,7 @@ import pytest
 
 from tests.search.conftest import Run
 
-HIT = {"rank", "path", "score", "strength", "start", "end", "duration", "caption"}
+HIT = {"rank", "path", "score", "strength", "start", "end", "duration", "caption", "clip", "root"}
 
 
 @pytest.mark.parametrize("command", ["search", "moments"])

@@ -1,8 +1,9 @@
-"""Evidence: a clip counts as much as its best window or its whole, and spans of one clip do not overlap."""
+"""Clip scores: a clip scores as its best window or its whole, and windows of one clip do not overlap."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,8 @@ from search.ranking.clip_scores import (
     WINDOW_MARGIN,
     ClipScore,
     best_clips,
-    best_spans,
-    likeliest,
-    likeliest_in_order,
+    rank_candidate_clips,
+    rank_windows,
 )
 
 QUERY = np.array([1.0, 0.0], np.float32)
@@ -56,7 +56,11 @@ class Gallery:
 
 
 def _ask(gallery: Gallery, k: int, **more: Any) -> list[ClipScore]:
-    return best_clips(gallery, QUERY, k, **more)  # type: ignore[arg-type]
+    return best_clips(gallery, QUERY, k, **more)
+
+
+def _windows(gallery: Gallery, k: int) -> list[ClipScore]:
+    return list(islice(rank_windows(gallery, QUERY), k))
 
 
 def test_a_short_action_in_a_long_clip_is_found_and_named() -> None:
@@ -66,7 +70,7 @@ def test_a_short_action_in_a_long_clip_is_found_and_named() -> None:
     assert (second.clip_id, second.start) == (1, None)
 
 
-def test_a_window_that_is_hardly_better_does_not_speak_for_the_clip() -> None:
+def test_a_window_that_is_hardly_better_is_not_its_score() -> None:
     gallery = Gallery({1: 0.5}, [(1, 0, 2, 0.5 + WINDOW_MARGIN / 2)])
     assert _ask(gallery, 1) == [ClipScore(1, pytest.approx(0.5))]
 
@@ -125,7 +129,7 @@ def test_an_empty_library_and_more_asked_than_there_is() -> None:
 
 def test_spans_of_one_clip_do_not_overlap_and_those_of_others_may() -> None:
     gallery = Gallery({1: 0, 2: 0}, [(1, 0, 2, 0.9), (1, 0.5, 2.5, 0.8), (1, 10, 12, 0.7), (2, 0.5, 2.5, 0.6)])
-    found = best_spans(gallery, QUERY, 5)  # type: ignore[arg-type]
+    found = _windows(gallery, 5)
     assert [(e.clip_id, e.start) for e in found] == [(1, 0), (1, 10), (2, 0.5)]
 
 
@@ -133,18 +137,18 @@ def test_the_first_spans_do_not_depend_on_how_many_are_asked_for() -> None:
     crowd = [(1, i * 0.01, i * 0.01 + 2, 0.9 - i * 1e-4) for i in range(700)]  # fills the first fetch with few spans
     others = [(2 + i % 7, i * 3.0, i * 3.0 + 2, 0.7 - i * 1e-3) for i in range(100)]
     gallery = Gallery(dict.fromkeys(range(1, 9), 0.0), crowd + others)
-    many = best_spans(gallery, QUERY, 200)  # type: ignore[arg-type]
+    many = _windows(gallery, 200)
     assert {e.clip_id for e in many} == set(range(1, 9))
     for k in (1, 5, 20, 90):
-        assert best_spans(gallery, QUERY, k) == many[:k]  # type: ignore[arg-type]
+        assert _windows(gallery, k) == many[:k]
 
 
 def test_every_likely_clip_comes_once() -> None:
     gallery = Gallery(dict.fromkeys(range(50), 0.0), [(i, 0, 2, 0.9 - i / 100) for i in range(50)])
-    assert list(likeliest_in_order(gallery, QUERY[None])) == list(range(50))  # type: ignore[arg-type]
+    assert list(rank_candidate_clips(gallery, QUERY[None])) == list(range(50))
 
 
 def test_the_clips_most_likely_to_answer_several_sentences() -> None:
     both = np.array([[1, 0], [0, 1]], np.float32)
     rows = [(1, 0, 2, 0.99), (2, 0, 2, 0.05), (3, 0, 2, 0.75)]
-    assert likeliest(Gallery({1: 0, 2: 0, 3: 0}, rows), both, 1) == [3]  # type: ignore[arg-type]
+    assert next(rank_candidate_clips(Gallery({1: 0, 2: 0, 3: 0}, rows), both)) == 3

@@ -1,4 +1,4 @@
-"""Likeness in time: the same performance stands out among clips that mean the same."""
+"""Alignment in time: the same performance is ranked before other clips of the same meaning."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from encoders.motion import Motion
-from search.ranking.alignment import likeness
+from search.ranking.alignment import alignment_bonus
 from tests.search.fakes import MeanEncoder
 
 
@@ -23,7 +23,7 @@ def bundle() -> MeanEncoder:
 def test_the_same_movement_gains_most_and_another_nothing_or_little(bundle: MeanEncoder) -> None:
     motion = _motion(0)
     noisy = Motion(motion.joints + 0.005)
-    gains = likeness(bundle, motion, [noisy, *(_motion(seed) for seed in range(1, 6))])
+    gains = alignment_bonus(bundle, motion, [noisy, *(_motion(seed) for seed in range(1, 6))])
     assert gains.argmax() == 0
     assert gains[0] > 0.25
     assert (gains >= 0).all()
@@ -32,9 +32,9 @@ def test_the_same_movement_gains_most_and_another_nothing_or_little(bundle: Mean
 def test_the_same_movement_at_a_slightly_other_pace_still_gains(bundle: MeanEncoder) -> None:
     motion = _motion(0)
     slower = Motion(motion.joints, motion.fps * 0.9).resample(motion.fps)
-    assert likeness(bundle, motion, [slower, _motion(1)])[0] > 0.2
+    assert alignment_bonus(bundle, motion, [slower, _motion(1)])[0] > 0.2
 
 
 def test_clips_of_very_different_length_gain_nothing(bundle: MeanEncoder) -> None:
     motion = _motion(0)
-    assert likeness(bundle, motion, [motion.crop(0, motion.duration / 2)]).tolist() == [0.0]
+    assert alignment_bonus(bundle, motion, [motion.crop(0, motion.duration / 2)]).tolist() == [0.0]
