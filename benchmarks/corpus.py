@@ -1,4 +1,4 @@
-"""How good and how fast made motion is: foot sliding, clips a second, and the list of programs.
+"""Foot sliding of synthetic clips by action, clips a second, and with `--list` every motion program.
 
 python -m benchmarks.corpus [--clips N] [--list]
 """

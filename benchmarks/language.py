@@ -1,6 +1,6 @@
-"""Print how well the corpus's language matches what people write.
+"""Coverage of human sentences by the corpus' language: actions, parses, missing verbs, vocabulary and caption lengths.
 
-    python benchmarks/language.py FILE ... [--captions 5000] [--sentences 5000]
+    python -m benchmarks.language FILE ... [--captions 5000] [--sentences 5000]
 
 FILE: human sentences, one a line. For each: the share whose verbs the corpus can act out, the share read completely,
 the verbs missing most often. Then words a sentence and vocabulary of our captions against theirs, and phrasings an
@@ -36,7 +36,7 @@ def _arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _made_captions(count: int) -> list[str]:
+def _generated_captions(count: int) -> list[str]:
     rng = np.random.default_rng(0)
     return [text for _ in range(count // 4) for text in captions(random_scene(rng), rng, 4)]
 
@@ -44,7 +44,7 @@ def _made_captions(count: int) -> list[str]:
 def main() -> None:
     """Measure and print."""
     arguments = _arguments()
-    ours = _made_captions(arguments.captions)
+    ours = _generated_captions(arguments.captions)
     our_words = words_of(ours)
     for path in arguments.files:
         theirs = [line.strip() for line in path.read_text(encoding="utf-8").splitlines() if line.strip()]

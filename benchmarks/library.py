@@ -1,4 +1,4 @@
-"""How fast a library is made, brought up to date, opened and asked.
+"""Times to index a folder and to update its index, and query times of the vector indexes.
 
     python -m benchmarks.library index FOLDER [--jobs N]      first run against second run
     python -m benchmarks.library search [--windows 10000 100000 1000000] [--size 256]

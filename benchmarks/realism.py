@@ -1,11 +1,11 @@
-"""How made walking, running and sprinting differ from real: what gait analysis measures, and every feature.
+"""Gait measures and features of synthetic walking, running and sprinting beside real: percentiles and differences.
 
-    python benchmarks/realism.py data/mocap captions.jsonl [--worst 12]
+    python -m benchmarks.realism data/mocap captions.jsonl [--worst 12]
 
-Real clips are the captioned spans of the split `train` whose captions all name the gait and nothing besides; made ones
-act the same step forward. Frames count where the body goes. Printed are, for each measure, the 10th, 50th and 90th
-percentile over clips, made beside real, and the share of real clips within the range of the made; then the features
-that differ most: their mean, how far clips differ from each other (std), and how much they move within a clip (std).
+Real clips are the captioned spans of the split `train` whose captions all name the gait alone; synthetic ones
+act the same step forward. Only frames of locomotion count. Printed are, for each measure, the 10th, 50th and 90th
+percentile over synthetic and over real clips, and the share of real clips within the range of the synthetic; then the
+features that differ most: their mean, standard deviation between clips, and standard deviation within a clip.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("captions", type=Path)
     parser.add_argument("--worst", type=int, default=12)
-    parser.add_argument("--made", type=int, default=150, help="clips of each gait")
+    parser.add_argument("--synthetic", type=int, default=150, help="clips of each gait")
     arguments = parser.parse_args()
     takes = captioned_takes(arguments.folder, arguments.captions, "train")
     real = [clip for take in takes for clip in real_clips(take, _BODY, varied=False)]
@@ -57,13 +57,13 @@ def main() -> None:
     for action, said, speed in _GAITS:
         fitting = [x for x, captions in real if all(re.search(said, c) and not _BESIDES.search(c) for c in captions)]
         scene = Scene(((ActionStep(action, direction="forward"),),))
-        acted = [synthetic_clip(scene, rng, _BODY, count=1).features for _ in range(arguments.made)]
-        print(f"\n{action}: {len(fitting)} real clips, {len(acted)} made")
+        acted = [synthetic_clip(scene, rng, _BODY, count=1).features for _ in range(arguments.synthetic)]
+        print(f"\n{action}: {len(fitting)} real clips, {len(acted)} synthetic")
         if not fitting:
             continue
-        made, known = _under_way(acted, speed), _under_way(fitting, speed)
-        _measure(made, known)
-        _compare(_figures(made), _figures(known), arguments.worst)
+        synthetic, known = _under_way(acted, speed), _under_way(fitting, speed)
+        _measure(synthetic, known)
+        _compare(_figures(synthetic), _figures(known), arguments.worst)
 
 
 def _under_way(clips: Iterable[Array], speed: float) -> list[Array]:
@@ -136,13 +136,15 @@ def _swing(angles: NDArray[np.float64]) -> float:
     return float((high - low).mean())
 
 
-def _measure(made: list[Array], real: list[Array]) -> None:
-    ours, theirs = [measures(x) for x in made], [measures(x) for x in real]
+def _measure(synthetic: list[Array], real: list[Array]) -> None:
+    ours, theirs = [measures(x) for x in synthetic], [measures(x) for x in real]
     for name in ours[0]:
         a, b = (np.array([clip[name] for clip in clips]) for clips in (ours, theirs))
         low, high = np.percentile(a, [2, 98])
         spread = [" ".join(f"{v:7.2f}" for v in np.percentile(x, [10, 50, 90])) for x in (a, b)]
-        print(f"  {name:27s} made {spread[0]}   real {spread[1]}   covered {np.mean((b >= low) & (b <= high)):4.0%}")
+        print(
+            f"  {name:27s} synthetic {spread[0]}   real {spread[1]}   covered {np.mean((b >= low) & (b <= high)):4.0%}"
+        )
 
 
 def _figures(going: list[Array]) -> tuple[Array, Array, Array]:
@@ -151,11 +153,11 @@ def _figures(going: list[Array]) -> tuple[Array, Array, Array]:
     return means.mean(0), means.std(0), np.median(moves, axis=0)
 
 
-def _compare(made: tuple[Array, Array, Array], real: tuple[Array, Array, Array], worst: int) -> None:
-    spread = np.sqrt(made[1] ** 2 + real[1] ** 2) + 0.01
-    moves = [np.abs(np.log((real[i] + 0.004) / (made[i] + 0.004))) for i in (1, 2)]
-    apart = (np.abs(real[0] - made[0]) / spread, *moves)
-    for name, difference, a, b in zip(("mean", "between clips", "within clips"), apart, made, real, strict=True):
+def _compare(synthetic: tuple[Array, Array, Array], real: tuple[Array, Array, Array], worst: int) -> None:
+    spread = np.sqrt(synthetic[1] ** 2 + real[1] ** 2) + 0.01
+    moves = [np.abs(np.log((real[i] + 0.004) / (synthetic[i] + 0.004))) for i in (1, 2)]
+    apart = (np.abs(real[0] - synthetic[0]) / spread, *moves)
+    for name, difference, a, b in zip(("mean", "between clips", "within clips"), apart, synthetic, real, strict=True):
         rows = np.argsort(-difference)[:worst]
         print(f"  {name}: " + ", ".join(f"{_NAMES[i]} {a[i]:.3f} -> {b[i]:.3f}" for i in rows))
 

@@ -1,6 +1,6 @@
-"""Does one movement, recorded in several rigs, come out the same? And what of a folder cannot be read?
+"""Distances in cm between the joints of one performance in several rigs, and the files that cannot be read.
 
-    python benchmarks/rigs.py data/mocap [data/bandai1 ...] [--sheet rigs.png] [--joints]
+    python -m benchmarks.rigs data/mocap [data/bandai1 ...] [--sheet rigs.png] [--joints]
 
 For each trial that the folder's manifest.tsv lists in several rigs, both are read, brought to 20 frames a second
 and the target bone lengths, aligned in time, and compared in the body's own frame: pelvis at the origin,
