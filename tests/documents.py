@@ -15,7 +15,7 @@ import pytest
 from search.cli.main import cli, main
 from tests.conftest import ROOT
 
-PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md")))
 LANGUAGES = {"bash", "python", "json", "js", "text"}
 
 #: Commands of documents that are parsed and not run, and why.
@@ -32,6 +32,7 @@ ONLY_PARSED = {
 NOT_RUN = {
     "pip": "installs; `.ci/run` installs the wheel",
     "make": "sets up an environment; `.ci/run` runs the targets",
+    ".venv/bin/python": "runs the tests",
 }
 
 
