@@ -1,1 +1,1 @@
-"""What the corpus can act out: one module a family of actions, and the registry of their programs."""
+"""Actions that the corpus can synthesise: one module per family, and the list of all their programs."""

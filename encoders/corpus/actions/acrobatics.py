@@ -1,4 +1,4 @@
-"""Heels over head: somersault, cartwheel, handstand, backflip."""
+"""Acrobatics: somersault, cartwheel, handstand, backflip."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _TRUNK = [INDEX[name] for name in ("pelvis", "spine3", "neck", "head", "left_foo
 
 
 def _carry_feet(curves: Curves, weight: Array, offset: tuple[float, float, float]) -> None:
-    """Let the feet follow the pelvis at `offset` (outward, up, forward of the hips' middle) as far as `weight` says."""
+    """Attach the feet to the pelvis at `offset` (outward, up, forward of the hip centre), blended by `weight`."""
     frame = rotation(*curves.pelvis.T)
     for side, sign in ((0, 1.0), (1, -1.0)):
         follow = curves.root + turn(frame, np.array([offset]) * [sign, 1.0, 1.0])[:, 0]
@@ -30,7 +30,7 @@ def _carry_feet(curves: Curves, weight: Array, offset: tuple[float, float, float
 
 
 def _keep_above_ground(curves: Curves, weight: Array) -> None:
-    """Raise the body, as far as `weight` says, wherever trunk, head or feet would sink into the ground."""
+    """Raise the body, blended by `weight`, where trunk, head or feet would penetrate the ground."""
     lowest = pose_body(curves, OFFSETS)[:, _TRUNK, 1].min(axis=1)
     deficit = np.maximum(0.05 - lowest, 0.0) * weight
     raised = np.convolve(np.pad(deficit, 2, mode="edge"), np.full(5, 0.2), mode="valid")
@@ -106,7 +106,7 @@ def cartwheel(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> 
         curves.reach[:, side] = (where, 0.07, 0.0)
         curves.reach_weight[:, side] = np.roll(down, -1 if early else 1) ** 0.7
     curves.pelvis[over >= 1.0, 1] -= sign * 2 * np.pi
-    if rng.random() < 0.7:  # from facing the way, a quarter turn in and out
+    if rng.random() < 0.7:  # starts and ends facing the direction of travel: a quarter turn in and out
         curves = place(curves, np.zeros(3), -sign * np.pi / 2)
         aside = sign * np.pi / 2 * (1 - ease(now / 0.25) * ease((1 - now) / 0.2))
         curves.heading[:] += aside
@@ -117,7 +117,7 @@ def cartwheel(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> 
 
 @program("handstand", group="sport", weight=0.8)
 def handstand(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
-    """Kick up onto the hands, stay a while, come down."""
+    """Kick up onto the hands, hold, come down."""
     frames = duration(3.6, step, manner, rng, frames)
     hands = (0.2, 0.07, 0.62)
     bent = pose(root=(0, 0.72, 0.05), pelvis=(1.1, 0, 0), spine=(0.7, 0, 0), reach=hands, head=(-0.2, 0, 0))

@@ -1,4 +1,4 @@
-"""The trunk bent and the body moved out of its place: bend, lean, twist, lunge, dodge, balance."""
+"""Bends of the trunk and shifts of the body: bend, lean, twist, lunge, dodge, balance."""
 
 from __future__ import annotations
 

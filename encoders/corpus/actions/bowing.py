@@ -1,4 +1,4 @@
-"""Bows: deep or slight, held or quick, with the hands where people keep them, at times after a step."""
+"""Bows: deep or slight, held or quick, with various hand positions, sometimes after a step."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ def bow(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves
 
 
 def _nod(curves: Curves, down: Array, rng: Generator) -> None:
-    """The head bends along, leads, or still looks at whom it greets."""
+    """The head follows the trunk, leads it, or keeps looking ahead."""
     earlier = int(rng.integers(0, 6))
     nod = np.concatenate([down[earlier:], np.repeat(down[-1:], earlier)])
     curves.head[:, 0] += rng.uniform(-0.35, 0.6) * nod
 
 
 def _hold_hands(curves: Curves, near: Array, rng: Generator) -> None:
-    """Put the hands where people keep them in a bow, on the way down or all the time."""
+    """Move the hands to one of the usual places of a bow, on the way down or throughout."""
     kind, arm = rng.random(), int(rng.integers(2))
     weight = near if rng.random() < 0.6 else hold(len(near), rng.uniform(0.05, 0.2), rng.uniform(0.05, 0.2))
     if kind < 0.2:  # hands stay at the sides of the thighs
@@ -77,14 +77,14 @@ def _hold_hands(curves: Curves, near: Array, rng: Generator) -> None:
 
 
 def _carry(curves: Curves, arms: tuple[int, ...], place: ArrayLike, weight: Array) -> None:
-    """Bring hands to a place as far as `weight` (F,) says."""
+    """Blend hands towards a place by `weight` (F,)."""
     for arm in arms:
         curves.hands[:, arm] += (np.asarray(place) - curves.hands[:, arm]) * weight[:, None]
         curves.hang[:, arm] *= 1 - weight
 
 
 def _step_before(curves: Curves, rng: Generator) -> None:
-    """A step ahead or back while the bow begins, the other foot drawn up to it."""
+    """A step forward or back as the bow starts, the other foot closing."""
     way = rng.uniform(0.15, 0.4) * (1.0 if rng.random() < 0.7 else -1.0)
     now, first = np.arange(len(curves)) / FPS, int(rng.integers(2))
     for foot, begin in ((first, 0.0), (1 - first, 0.4)):

@@ -1,4 +1,4 @@
-"""Going up and down, over and through: stairs, ladders, obstacles, and crawling."""
+"""Climbing and crawling: stairs, ladders, obstacles."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.random import Generator
 
 from encoders.corpus.engine.curves import LEFT, LEGS, RIGHT, Array, Curves, ease, frames_of, keys, standing
-from encoders.corpus.engine.gait import PAD, Course, Gait, plant, step_along
+from encoders.corpus.engine.gait import PAD, Gait, Trajectory, plant, step_along
 from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import tempo
@@ -28,15 +28,15 @@ def climb_stairs(step: ActionStep, manner: Manner, rng: Generator, frames: int) 
         speed=tread * cadence, cadence=cadence, lift=0.1 if down else 0.16, arms=0.2, lean=-0.02 if down else 0.16,
         push=0.45, bob=0.01, duty=0.6,
     )  # fmt: skip
-    course, gait = travel(replace(step, direction="", amplitude=""), gait, replace(manner, stride=0.0), rng, frames)
-    cadence = float(np.median(np.diff(course.phase))) * 2 * FPS
-    run = course.root[:, 1] * (tread * cadence / max(gait.speed, 1e-3))
-    course = replace(course, root=np.stack([course.root[:, 0], run], axis=1))
+    trajectory, gait = travel(replace(step, direction="", amplitude=""), gait, replace(manner, stride=0.0), rng, frames)
+    cadence = float(np.median(np.diff(trajectory.phase))) * 2 * FPS
+    run = trajectory.root[:, 1] * (tread * cadence / max(gait.speed, 1e-3))
+    trajectory = replace(trajectory, root=np.stack([trajectory.root[:, 0], run], axis=1))
     flat_start, flat_end = rng.choice([0, 0, 2], 2)
     stairs = max(int(run[-PAD] / tread) - flat_end, flat_start + 2)
     number: Array = np.clip(np.floor(run / tread + 0.5), flat_start, stairs) - flat_start
-    course = replace(course, level=(-riser if down else riser) * number.astype(np.float64))
-    curves = step_along(course, gait, manner)
+    trajectory = replace(trajectory, level=(-riser if down else riser) * number.astype(np.float64))
+    curves = step_along(trajectory, gait, manner)
     lowest = float(np.min(curves.feet[..., 1])) - 0.085
     curves.root[:, 1] -= lowest + (0.03 if down else 0.0)
     curves.feet[..., 1] -= lowest
@@ -58,8 +58,8 @@ def climb_ladder(step: ActionStep, manner: Manner, rng: Generator, frames: int) 
     climbed = 2 * rung * phase * sign
     climbed -= climbed[PAD]
     zero = np.zeros(len(phase))
-    # Planting works along z; the ladder is that course set upright.
-    course = Course(np.stack([zero, climbed], axis=1), zero, going, phase)
+    # Footholds are planted along z; the ladder is that trajectory turned upright.
+    trajectory = Trajectory(np.stack([zero, climbed], axis=1), zero, going, phase)
     curves = standing(frames)
     keep = slice(PAD, -PAD)
     top = rng.uniform(0.05, 0.55)
@@ -68,8 +68,8 @@ def climb_ladder(step: ActionStep, manner: Manner, rng: Generator, frames: int) 
     curves.root[:, 2] = 0.03 * np.sin(4 * np.pi * phase[keep])
     for side, out in ((LEFT, 1.0), (RIGHT, -1.0)):
         own = phase + (0.0 if side == LEFT else 0.5)
-        foot, _, lift = plant(course, own, 0.7, out * 0.12)
-        hand, _, reach = plant(course, own + 0.5, 0.7, out * 0.2)
+        foot, _, lift = plant(trajectory, own, 0.7, out * 0.12)
+        hand, _, reach = plant(trajectory, own + 0.5, 0.7, out * 0.2)
         curves.feet[:, side] = np.stack(
             [foot[:, 0], base + 0.12 + foot[:, 2], 0.18 - 0.12 * np.sin(np.pi * lift)], axis=1
         )[keep]
@@ -96,11 +96,11 @@ def _obstacle(
     if settle:
         going = going * (1 - ease((now - when - 0.7) / 0.5))
     gait = Gait(speed=rng.uniform(0.8, 1.2), cadence=rng.uniform(1.4, 1.7), arms=0.3)
-    course, gait = travel(replace(step, count=0), gait, manner, rng, frames, going)
-    course = replace(
-        course, lift=lift * np.exp(-(np.square((now - when) / 0.55) ** 2)), level=np.where(now > when, level, 0.0)
+    trajectory, gait = travel(replace(step, count=0), gait, manner, rng, frames, going)
+    trajectory = replace(
+        trajectory, lift=lift * np.exp(-(np.square((now - when) / 0.55) ** 2)), level=np.where(now > when, level, 0.0)
     )
-    curves = step_along(course, gait, manner)
+    curves = step_along(trajectory, gait, manner)
     near = near[PAD:-PAD]
     curves.head[:, 0] += 0.3 * near
     curves.spine[:, 0] += 0.15 * near
@@ -137,10 +137,10 @@ def step_down(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> 
 
 def _creep(
     step: ActionStep, manner: Manner, rng: Generator, frames: int, *, speed: float, rate: float
-) -> tuple[Course, Array, Gait]:
+) -> tuple[Trajectory, Array, Gait]:
     frames = frames or int(rng.uniform(3.0, 6.0) * FPS)
     gait = Gait(speed=speed, cadence=rate)
-    course, gait = travel(
+    trajectory, gait = travel(
         step,
         gait,
         replace(manner, limp=0.0, stride=min(manner.stride, 0.0)),
@@ -148,7 +148,7 @@ def _creep(
         frames,
         effort(frames, rng, rest=0.3),
     )
-    return course, course.phase, gait
+    return trajectory, trajectory.phase, gait
 
 
 @program(
@@ -157,15 +157,15 @@ def _creep(
 )  # fmt: skip
 def crawl(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Crawl on hands and knees; sometimes on hands and feet, like a bear."""
-    course, phase, _ = _creep(step, manner, rng, frames, speed=rng.uniform(0.35, 0.7), rate=rng.uniform(1.6, 2.4))
+    trajectory, phase, _ = _creep(step, manner, rng, frames, speed=rng.uniform(0.35, 0.7), rate=rng.uniform(1.6, 2.4))
     keep = slice(PAD, -PAD)
-    facing = course.facing[keep]
+    facing = trajectory.facing[keep]
     bear = rng.random() < 0.15
     curves = standing(len(facing))
     hips = 0.72 if bear else 0.46
     ahead = 0.62 if bear else 0.5
     curves.heading[:] = facing
-    curves.root[:, [0, 2]] = course.root[keep]
+    curves.root[:, [0, 2]] = trajectory.root[keep]
     curves.root[:, 1] = hips + 0.01 * np.cos(4 * np.pi * phase[keep])
     curves.pelvis[:, 0] = (1.5 if bear else 1.3) + rng.normal(0.0, 0.07)
     curves.pelvis[:, 2] = 0.1 * np.cos(2 * np.pi * phase[keep])
@@ -174,8 +174,8 @@ def crawl(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curv
     curves.head[:, 0] = rng.uniform(-1.1, -0.4)
     for side, out in ((LEFT, 1.0), (RIGHT, -1.0)):
         own = phase + (0.0 if side == LEFT else 0.5)
-        foot, _, swing = plant(course, own, 0.62, out * 0.12, -0.15 if bear else -0.42)
-        hand, _, reach = plant(course, own + 0.5 + 0.08, 0.62, out * 0.19, ahead)
+        foot, _, swing = plant(trajectory, own, 0.62, out * 0.12, -0.15 if bear else -0.42)
+        hand, _, reach = plant(trajectory, own + 0.5 + 0.08, 0.62, out * 0.19, ahead)
         curves.feet[:, side, 0], curves.feet[:, side, 2] = foot[keep, 0], foot[keep, 2]
         curves.feet[:, side, 1] = ((0.12 if bear else 0.075) + 0.06 * np.sin(np.pi * swing))[keep]
         curves.foot_yaw[:, side] = foot[keep, 3]
@@ -189,13 +189,13 @@ def crawl(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curv
 @program("army crawl", group="locomotion", directions=("forward",), starts="floor", ends="floor")
 def army_crawl(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Crawl flat on the belly on the forearms, a knee drawn up at a time."""
-    course, phase, _ = _creep(step, manner, rng, frames, speed=rng.uniform(0.2, 0.45), rate=rng.uniform(1.2, 1.8))
+    trajectory, phase, _ = _creep(step, manner, rng, frames, speed=rng.uniform(0.2, 0.45), rate=rng.uniform(1.2, 1.8))
     keep = slice(PAD, -PAD)
     cycle = 2 * np.pi * phase[keep]
-    facing = course.facing[keep]
+    facing = trajectory.facing[keep]
     curves = standing(len(facing))
     curves.heading[:] = facing
-    curves.root[:, [0, 2]] = course.root[keep]
+    curves.root[:, [0, 2]] = trajectory.root[keep]
     curves.root[:, 1] = 0.17
     curves.pelvis[:, 0] = 1.5
     curves.pelvis[:, 2] = 0.18 * np.cos(cycle)
@@ -204,7 +204,7 @@ def army_crawl(step: ActionStep, manner: Manner, rng: Generator, frames: int) ->
     curves.head[:, 0] = -0.8
     for side, out in ((LEFT, 1.0), (RIGHT, -1.0)):
         own = phase + (0.0 if side == LEFT else 0.5)
-        hand, _, reach = plant(course, own, 0.6, out * 0.16, 0.72)
+        hand, _, reach = plant(trajectory, own, 0.6, out * 0.16, 0.72)
         curves.reach[:, side, 0], curves.reach[:, side, 2] = hand[keep, 0], hand[keep, 2]
         curves.reach[:, side, 1] = (0.07 + 0.05 * np.sin(np.pi * reach))[keep]
         drawn = 0.5 - 0.5 * out * np.cos(cycle)

@@ -1,4 +1,4 @@
-"""Paths over the floor that come round: half a circle, a figure of eight."""
+"""Walks along closed paths: half a circle, a figure of eight."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from encoders.motion import FPS
 
 
 def _walk_facing(step: ActionStep, manner: Manner, rng: Generator, frames: int, angle: Array) -> Curves:
-    """Walk so that the heading follows a curve (K,) of angles, spread evenly over the way."""
+    """Walk with a heading that follows a curve (K,) of angles, spread evenly over the path."""
     gait = Gait(speed=rng.uniform(1.0, 1.5), cadence=rng.uniform(1.7, 2.1))
-    course, gait = travel(replace(step, direction="forward"), gait, manner, rng, frames)
-    gone = np.cumsum(np.hypot(*np.diff(course.root, axis=0, prepend=course.root[:1]).T))
+    trajectory, gait = travel(replace(step, direction="forward"), gait, manner, rng, frames)
+    gone = np.cumsum(np.hypot(*np.diff(trajectory.root, axis=0, prepend=trajectory.root[:1]).T))
     share = (gone - gone[PAD]) / max(float(gone[-PAD - 1] - gone[PAD]), 0.3)
     facing = np.interp(share, np.linspace(0.0, 1.0, len(angle)), angle)
-    return step_along(replace(course, root=integrate(gone, facing), facing=facing), gait, manner)
+    return step_along(replace(trajectory, root=integrate(gone, facing), facing=facing), gait, manner)
 
 
 @program("walk half circle", group="locomotion", parts=LEGS, directions=("left", "right"), weight=1.2)
@@ -38,7 +38,7 @@ def walk_half_circle(step: ActionStep, manner: Manner, rng: Generator, frames: i
 
 @program("walk figure eight", group="locomotion", parts=LEGS, weight=1.2)
 def walk_figure_eight(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
-    """Walk one loop to a side and one to the other, the ways crossing in the middle."""
+    """Walk one loop to a side and one to the other, crossing in the middle."""
     first = rng.uniform(0.44, 0.56)
     share = np.linspace(0.0, 1.0, 120)
     angle = 2 * np.pi * np.where(share < first, share / first, (1.0 - share) / (1.0 - first))

@@ -1,4 +1,4 @@
-"""Exercises: swings and circles of the arms, bends, stretches, jumping jacks, push-ups, sit-ups, yoga."""
+"""Exercises: arm swings and circles, bends, stretches, jumping jacks, push-ups, sit-ups, yoga."""
 
 from __future__ import annotations
 

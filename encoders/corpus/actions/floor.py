@@ -1,4 +1,4 @@
-"""Down to the floor, on it, and up again: lie, fall, roll, get up."""
+"""Movements to the floor, on it and up again: lie, fall, roll, get up."""
 
 from __future__ import annotations
 

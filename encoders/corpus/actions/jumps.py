@@ -1,4 +1,4 @@
-"""Leaving the ground: jumps, hops, leaps, hurdles."""
+"""Jumps: with both feet, hops, leaps, hurdles."""
 
 from __future__ import annotations
 
@@ -206,21 +206,21 @@ def _flights(
     """Run and fly `count` times from one foot to the other, legs split; `over` raises the feet in flight."""
     air = 2 * np.sqrt(2 * height / _GRAVITY)
     frames = frames or int((1.6 + count * (air + 1.2)) * FPS)
-    course, gait = travel(step, gait, manner, rng, frames, effort(frames, rng, rest=0.4))
-    # The legs' clock is stretched from take-off to landing while the body goes on.
-    index = np.arange(len(course.phase), dtype=np.float64)
-    begin, end = course.phase[PAD], course.phase[-PAD]
+    trajectory, gait = travel(step, gait, manner, rng, frames, effort(frames, rng, rest=0.4))
+    # The phase of the legs is stretched from take-off to landing while the body travels on.
+    index = np.arange(len(trajectory.phase), dtype=np.float64)
+    begin, end = trajectory.phase[PAD], trajectory.phase[-PAD]
     takeoff = np.round(2 * (begin + (end - begin) * (np.arange(count) + 0.5) / (count + 0.4))) / 2 + gait.duty
     edges = np.stack([takeoff, takeoff + 0.5 - gait.duty], axis=1).ravel()
-    before = np.interp(edges, course.phase, index)
+    before = np.interp(edges, trajectory.phase, index)
     extra = np.maximum(air * FPS - np.diff(before)[::2], 0.0)
     after = before + np.repeat(np.cumsum(extra), 2) - np.stack([extra, 0 * extra], axis=1).ravel()
     clock = np.interp(index, [index[0], *after, index[-1] + extra.sum()], [index[0], *before, index[-1]])
     share = np.clip((index[:, None] - after[::2]) / np.diff(after)[::2], 0.0, 1.0)
     flight = (4 * share * (1 - share)).sum(1)
     lift = over * np.sqrt(flight)
-    course = replace(course, phase=np.interp(clock, index, course.phase), lift=lift)
-    curves = step_along(course, gait, manner)
+    trajectory = replace(trajectory, phase=np.interp(clock, index, trajectory.phase), lift=lift)
+    curves = step_along(trajectory, gait, manner)
     flight = flight[PAD:-PAD]
     curves.root[:, 1] += height * flight
     curves.feet[..., 1] += height * flight[:, None]

@@ -1,4 +1,4 @@
-"""Going from place to place on foot: the named gaits."""
+"""Locomotion: walking, running and the other named gaits."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Range = tuple[float, float]
 
 
 def _plain(gait: Gait, speed: Range, cadence: Range) -> ActionFunction:
-    """A program that follows one gait at a speed and cadence from these ranges.
+    """Register a program of one gait, with speed and cadence sampled from these ranges.
 
     In whatever manner, who runs is no slower than who walks, and who sprints goes as fast as can be.
     """
@@ -35,7 +35,7 @@ def _plain(gait: Gait, speed: Range, cadence: Range) -> ActionFunction:
 
 
 def _own(gait: Gait, speed: Range, cadence: Range, rng: Generator) -> Gait:
-    """One performer's version of a gait: quicker feet go with more speed, and every measure differs.
+    """A performer's variant of a gait: cadence correlates with speed, and every parameter varies.
 
     Few are athletes: many let their arms hang, hold them off the body, set their feet wide or bounce.
     """
@@ -67,7 +67,7 @@ def _own(gait: Gait, speed: Range, cadence: Range, rng: Generator) -> Gait:
 
 
 def _slowed(own: Gait, rng: Generator) -> Gait:
-    """Some run on the spot almost, bouncing, or heavily: slow, however it is called; nobody sprints so."""
+    """A slow variant of a run, bouncing nearly on the spot or heavy; never of a sprint."""
     if own.duty > 0.5 or own.gains or rng.random() > 0.15:
         return own
     return replace(own, speed=own.speed * rng.uniform(0.45, 0.8), bob=own.bob * rng.uniform(1.2, 1.8))
@@ -96,7 +96,7 @@ _SIDESTEP = Gait(
 _CROUCH = Gait(duty=0.66, lift=0.08, bob=0.015, push=0.6, lean=0.6, arms=0.2, elbow=0.8, width=0.11, crouch=0.32)
 _HIGH_KNEES = Gait(duty=0.45, lift=0.42, bob=0.03, push=0.6, lean=0.0, arms=0.6, elbow=1.5, width=0.09)
 
-#: Name, gait, metres a second, steps a second, directions, weight.
+#: Name, gait, metres per second, steps per second, directions, sampling weight.
 _GAITS: tuple[tuple[str, Gait, Range, Range, tuple[str, ...], float], ...] = (
     ("walk", Gait(), (1.0, 1.5), (1.7, 2.1), EVERYWHERE, 5.0),
     ("jog", _JOG, (1.6, 3.5), (2.4, 3.1), RUNNING, 3.0),
@@ -145,10 +145,10 @@ def drag_leg(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> C
 def skip(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Step and hop on each foot in turn, knees high, arms swinging."""
     gait = Gait(speed=rng.uniform(1.5, 2.4), cadence=rng.uniform(1.7, 2.1), duty=0.56, lift=0.3, bob=0.0, arms=0.8)
-    course, gait = travel(step, gait, manner, rng, frames or int(rng.uniform(2.0, 5.0) * FPS))
-    curves = step_along(course, gait, manner)
-    beat = (2 * course.phase[PAD:-PAD] - 0.3) % 1.0
-    rise = rng.uniform(0.1, 0.2) * course.effort[PAD:-PAD] * np.clip(np.sin(2 * np.pi * beat), 0.0, None)
+    trajectory, gait = travel(step, gait, manner, rng, frames or int(rng.uniform(2.0, 5.0) * FPS))
+    curves = step_along(trajectory, gait, manner)
+    beat = (2 * trajectory.phase[PAD:-PAD] - 0.3) % 1.0
+    rise = rng.uniform(0.1, 0.2) * trajectory.effort[PAD:-PAD] * np.clip(np.sin(2 * np.pi * beat), 0.0, None)
     curves.root[:, 1] += rise - 0.03
     curves.feet[..., 1] += rise[:, None]
     return curves
@@ -164,11 +164,11 @@ def gallop(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Cur
         speed=rng.uniform(1.6, 2.4), cadence=rng.uniform(3.2, 3.8), duty=0.42, lift=0.16, bob=0.0, arms=0.15, elbow=0.9,
         crouch=0.05, offset=offset,
     )  # fmt: skip
-    course, gait = travel(step, gait, manner, rng, frames or int(rng.uniform(2.0, 5.0) * FPS))
-    curves = step_along(course, gait, manner)
-    flight = 0.09 * np.cos(2 * np.pi * (course.phase[PAD:-PAD] - (0.86 if offset < 0.5 else 0.56)))
-    curves.root[:, 1] += course.effort[PAD:-PAD] * flight
-    curves.feet[..., 1] += (course.effort[PAD:-PAD] * np.maximum(flight, 0.0))[:, None]
+    trajectory, gait = travel(step, gait, manner, rng, frames or int(rng.uniform(2.0, 5.0) * FPS))
+    curves = step_along(trajectory, gait, manner)
+    flight = 0.09 * np.cos(2 * np.pi * (trajectory.phase[PAD:-PAD] - (0.86 if offset < 0.5 else 0.56)))
+    curves.root[:, 1] += trajectory.effort[PAD:-PAD] * flight
+    curves.feet[..., 1] += (trajectory.effort[PAD:-PAD] * np.maximum(flight, 0.0))[:, None]
     return curves
 
 
@@ -185,8 +185,8 @@ def stop_suddenly(step: ActionStep, manner: Manner, rng: Generator, frames: int)
         if runs
         else Gait(speed=rng.uniform(1.1, 1.5), cadence=1.9)
     )
-    course, gait = travel(step, gait, manner, rng, frames, 1 - ease((now - when) / 0.35))
-    curves = step_along(course, gait, manner)
+    trajectory, gait = travel(step, gait, manner, rng, frames, 1 - ease((now - when) / 0.35))
+    curves = step_along(trajectory, gait, manner)
     jolt = np.exp(-np.square((now[PAD:-PAD] - when - 0.3) / 0.18))
     curves.pelvis[:, 0] -= (0.25 if runs else 0.12) * jolt
     curves.root[:, 1] -= (0.1 if runs else 0.04) * jolt

@@ -1,4 +1,4 @@
-"""Keeping and changing posture on one's feet or seat: stand, sit, squat, crouch, kneel."""
+"""Postures and changes between them: stand, sit, squat, crouch, kneel."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from encoders.motion import FPS
 
 @program("stand", group="posture", parts=LEGS, weight=2)
 def stand(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
-    """Stand still, breathing and wavering a little."""
+    """Stand still, with breathing and slight sway."""
     frames = duration(3.5, step, manner, rng, frames)
     curves = standing(frames, LEGS)
     calm = rng.uniform(0.2, 1.0)
@@ -32,7 +32,7 @@ def stand(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curv
 
 @program("shift weight", group="posture", parts=LEGS, sides=("left", "right"))
 def shift_weight(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
-    """Put the weight on one leg, then on the other; named: on that one only."""
+    """Shift the weight from leg to leg; with a side: onto that leg only."""
     frames = duration(3.5, step, manner, rng, frames)
     curves = standing(frames, LEGS)
     if step.side:

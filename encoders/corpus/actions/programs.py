@@ -1,4 +1,4 @@
-"""The action programs of the corpus by name, those for training and those held out, and random steps of them."""
+"""All action programs by name, for training or held out, and random action steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Single steps: so many, this way or that, each placed and closed; and a foot slid over the ground."""
+"""Counted single steps in any direction, and a foot slid over the ground."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SIDED = ("left", "right")
     counts=(1, 8), weight=2.5,
 )  # fmt: skip
 def take_steps(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
-    """So many steps from standing, the body facing ahead; the last is mostly closed, sideways every one is."""
+    """`count` steps from standing, facing ahead; the last step is mostly closed, sideways steps always."""
     count = step.count or int(rng.integers(1, 4))
     direction = step.direction or "forward"
     closes = direction in _SIDED
@@ -41,7 +41,7 @@ def take_steps(step: ActionStep, manner: Manner, rng: Generator, frames: int) ->
 
 
 def _moves(count: int, first: int, closes: bool, *, step_home: bool) -> list[tuple[int, int]]:
-    """Which foot goes, and to the how manieth place."""
+    """The moving foot and the index of its target, for each step."""
     if closes:
         return [move for i in range(1, count + 1) for move in ((first, i), (1 - first, i))]
     moves = [((first + i) % 2, i + 1) for i in range(count)]
@@ -54,7 +54,7 @@ def _way(direction: str, rng: Generator) -> Array:
 
 
 def _place_feet(curves: Curves, moves: list[tuple[int, int]], ends: Array, one: float, way: Array, lift: float) -> None:
-    """Feet go to their places, each within its time, and the hips between them."""
+    """Feet move to their targets, each within its time, with the hips between them."""
     now, place = np.arange(len(curves)) / FPS, [0, 0]
     weight = [(0.0, 0.0, 0.0)]
     crossing = float(np.sign(way[0])) * (1 if moves[0][0] == LEFT else -1) < 0 and abs(way[0]) > abs(way[1])
@@ -82,7 +82,7 @@ def _place_feet(curves: Curves, moves: list[tuple[int, int]], ends: Array, one: 
 
 
 def _swing_along(curves: Curves, size: float) -> None:
-    """Arms swing against the feet."""
+    """Arms swing opposite to the feet."""
     ahead = np.clip(curves.feet[:, LEFT, 2] - curves.feet[:, RIGHT, 2], -0.6, 0.6)[:, None]
     curves.hands[..., 2] += size * ahead * [-1.0, 1.0]
     curves.spine[:, 2] -= 0.15 * size * ahead[:, 0]
@@ -93,7 +93,7 @@ def _swing_along(curves: Curves, size: float) -> None:
     counts=(1, 5), weight=0.8,
 )  # fmt: skip
 def slide_foot(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
-    """One foot glides out over the ground and back, the other knee bending or not; again and again."""
+    """One foot glides out over the ground and back, the other knee bending or not; repeatedly."""
     aside = step.direction if step.direction in _SIDED else ""
     foot = SIDE_INDEX[step.side or aside] if step.side or aside else int(rng.integers(2))
     out = 1.0 if foot == LEFT else -1.0
@@ -106,7 +106,7 @@ def slide_foot(step: ActionStep, manner: Manner, rng: Generator, frames: int) ->
     gone = ease(share / 0.45) * ease((1 - share) / 0.45)
     far = rng.uniform(0.2, 0.55) if direction == "forward" or aside else rng.uniform(0.2, 0.45)
     way = far * np.array([np.sin(TURN[direction]), np.cos(TURN[direction])])
-    if way[0] * out < -0.05:  # past the standing foot, before it
+    if way[0] * out < -0.05:  # past the standing foot, in front of it
         curves.feet[:, foot, 2] += 0.14 * np.minimum(2 * gone, 1.0)
     curves.feet[:, foot, 0] += gone * way[0]
     curves.feet[:, foot, 2] += gone * way[1]

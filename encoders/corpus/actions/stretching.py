@@ -1,4 +1,4 @@
-"""Stretches of the legs: thigh, back of the leg, calf, groin, hip; standing."""
+"""Standing stretches of the legs: thigh, hamstring, calf, groin, hip."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def _calf(c: Cue) -> list[KeyPose]:
     far = c.r(0.4, 0.6)
     held = {"lead_foot": (0, 0, -far), "root": (0.0, -0.13, 0.02), "spine": (c.r(0.1, 0.3), 0, 0), "hands": hands}
     keys = [key(c.r(0.5, 0.8), lead_foot=(0, 0, -far), root=(0, -0.05, -0.1))]
-    for _ in range(int(c.rng.integers(1, 4))):  # sinks into it, perhaps in springs
+    for _ in range(int(c.rng.integers(1, 4))):  # sinks deeper, sometimes bouncing
         keys += [key(c.r(0.4, 0.7), c.r(0.2, 1.2), **held), key(0.35, root=(0, -0.08, -0.02))]
     return [*keys, key(0.6, lead_foot=(0, 0, 0), root=(0, 0, 0), spine=(0, 0, 0))]
 
@@ -67,7 +67,7 @@ def _hip(c: Cue) -> list[KeyPose]:
 
 @keyframed("stretch leg", group="exercise", sides=SIDED, counts=(1, 3), weight=1.5)
 def stretch_leg(c: Cue) -> list[KeyPose]:
-    """One leg stretched in one of the usual ways, held, and again."""
+    """One of the usual stretches of a leg, held, sometimes repeated."""
     stretch = (_thigh, _back_of_leg, _calf, _groin, _hip)[int(c.rng.choice(5, p=[0.25, 0.25, 0.2, 0.15, 0.15]))]
     keys: list[KeyPose] = []
     for _ in range(c.times(1, 1)):

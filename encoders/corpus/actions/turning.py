@@ -1,4 +1,4 @@
-"""Turning on the spot: in small steps, round and round, or on the ball of one foot."""
+"""Turns on the spot: in small steps, round and round, or on the ball of one foot."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.random import Generator
 
 from encoders.corpus.engine.curves import ANKLE, HIP, LEFT, LEGS, SIDE_INDEX, Array, Curves, ease, hold, standing
-from encoders.corpus.engine.gait import PAD, Course, Gait, gait_phase, step_along
+from encoders.corpus.engine.gait import PAD, Gait, Trajectory, gait_phase, step_along
 from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.trajectories import seconds
@@ -41,7 +41,7 @@ def spin_in_place(
     going = np.minimum(np.abs(np.gradient(facing)) * FPS / rate, 1.0)
     phase = gait_phase(np.full(len(now), rng.uniform(1.7, 2.4) * np.sqrt(pace)), rng.random(), manner)
     gait = Gait(speed=0.2, lift=0.06, bob=0.01, push=0.15, arms=0.1, width=0.09)
-    curves = step_along(Course(np.zeros((len(now), 2)), facing, going, phase), gait, manner)
+    curves = step_along(Trajectory(np.zeros((len(now), 2)), facing, going, phase), gait, manner)
     ahead = np.gradient(facing)[PAD:-PAD] * FPS
     curves.head[:, 2] += 0.18 * ahead
     curves.spine[:, 2] += 0.08 * ahead

@@ -1,4 +1,4 @@
-"""Gaits out of balance or off the ground's grip: stagger, stumble, push, beam, moonwalk, skates."""
+"""Unbalanced and sliding gaits: stagger, stumble, push, beam, moonwalk, skates."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.random import Generator
 
 from encoders.corpus.engine.curves import BODY, LEFT, LEGS, RIGHT, Curves, frames_of
-from encoders.corpus.engine.gait import PAD, Course, Gait, gait_phase, step_along
+from encoders.corpus.engine.gait import PAD, Gait, Trajectory, gait_phase, step_along
 from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.trajectories import TURN, effort, go, seconds, travel
@@ -20,19 +20,21 @@ from encoders.motion import FPS
     "stagger", group="locomotion", parts=LEGS, directions=("forward", "backward", "left", "right", "around"), weight=1.5
 )
 def stagger(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
-    """Reel along like a drunk: the course wanders, the trunk sways, steps are uneven and wide."""
+    """Stagger as if drunk: a wandering path, a swaying trunk, uneven wide steps."""
     frames = frames or int(rng.uniform(3.0, 6.0) * FPS)
     manner = replace(manner, width=manner.width + 0.4, sway=manner.sway + 0.5, wander=max(manner.wander, 0.1))
     gait = Gait(speed=rng.uniform(0.5, 1.0), cadence=rng.uniform(1.4, 1.9), arms=0.3, push=0.4)
-    course, gait = travel(step, gait, manner, rng, frames)
+    trajectory, gait = travel(step, gait, manner, rng, frames)
     now = seconds(frames)
     reel = sum(
         rng.normal(0.0, 0.12) * np.sin(2 * np.pi * (rng.uniform(0.2, 0.6) * now + rng.random())) for _ in range(3)
     )
-    aside = np.stack([np.cos(course.facing), -np.sin(course.facing)], axis=1)
-    root = course.root + np.asarray(reel)[:, None] * aside * 1.5
-    course = replace(course, root=root - root[PAD], facing=course.facing + np.asarray(reel) - np.asarray(reel)[PAD])
-    curves = step_along(course, gait, manner)
+    aside = np.stack([np.cos(trajectory.facing), -np.sin(trajectory.facing)], axis=1)
+    root = trajectory.root + np.asarray(reel)[:, None] * aside * 1.5
+    trajectory = replace(
+        trajectory, root=root - root[PAD], facing=trajectory.facing + np.asarray(reel) - np.asarray(reel)[PAD]
+    )
+    curves = step_along(trajectory, gait, manner)
     lean = np.gradient(np.asarray(reel))[PAD:-PAD] * FPS
     curves.spine[:, 1] += 0.7 * lean
     curves.pelvis[:, 1] += 0.3 * lean
@@ -49,9 +51,9 @@ def stumble(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Cu
     trip = np.exp(-np.square((now - when) / rng.uniform(0.2, 0.35)))
     gait = Gait(speed=rng.uniform(0.9, 1.3), cadence=rng.uniform(1.7, 2.0))
     going = effort(frames, rng) * (1 + 0.7 * trip)
-    course, gait = travel(step, gait, manner, rng, frames, going)
-    phase = course.phase + 0.5 * np.cumsum(trip) / FPS
-    curves = step_along(replace(course, phase=phase, effort=np.minimum(course.effort, 1.2)), gait, manner)
+    trajectory, gait = travel(step, gait, manner, rng, frames, going)
+    phase = trajectory.phase + 0.5 * np.cumsum(trip) / FPS
+    curves = step_along(replace(trajectory, phase=phase, effort=np.minimum(trajectory.effort, 1.2)), gait, manner)
     trip = trip[PAD:-PAD]
     back = -1.0 if step.direction == "backward" else 1.0
     curves.pelvis[:, 0] += back * rng.uniform(0.25, 0.5) * trip
@@ -74,7 +76,7 @@ _THROWN = {"forward": (0.55, 0.0), "backward": (-0.5, 0.0), "left": (0.05, 0.5),
     weight=1.2,
 )  # fmt: skip
 def get_pushed(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
-    """Stand, be pushed that way, reel some steps with flung arms, and find the balance again."""
+    """Stand, be pushed in the direction, stagger some steps with flailing arms, and regain balance."""
     direction = step.direction or str(rng.choice(list(_THROWN)))
     count = step.count or 1
     lasts = rng.uniform(1.4, 2.2)
@@ -93,7 +95,7 @@ def get_pushed(step: ActionStep, manner: Manner, rng: Generator, frames: int) ->
     phase = gait_phase(rng.uniform(2.4, 3.4) * np.sqrt(going), rng.choice([0.3, 0.8]), manner)
     gait = Gait(speed=1.0, cadence=2.6, lift=rng.uniform(0.06, 0.14), push=0.3, arms=0.15, width=0.11, duty=0.58)
     facing = rng.normal(0.0, 0.2) * np.cumsum(burst) / max(float(burst.sum()), 1e-6)
-    curves = step_along(Course(root, facing - facing[PAD], going, phase), gait, manner)
+    curves = step_along(Trajectory(root, facing - facing[PAD], going, phase), gait, manner)
     jolt = burst[PAD:-PAD]
     recoil = np.concatenate([np.zeros(7), jolt[:-7]])
     pitch, roll = (rng.uniform(0.5, 1.2) * angle for angle in _THROWN[direction])
@@ -140,15 +142,15 @@ def balance_beam(step: ActionStep, manner: Manner, rng: Generator, frames: int) 
 def moonwalk(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Glide backward: one foot slides flat while the other stands on its toes."""
     frames = frames or int(rng.uniform(2.5, 5.0) * FPS)
-    course, gait = travel(
+    trajectory, gait = travel(
         replace(step, direction="backward"),
         Gait(speed=rng.uniform(0.6, 0.9), cadence=2.0, bob=0.0, push=0.0, arms=0.2),
         manner,
         rng,
         frames,
     )
-    curves = step_along(course, gait, manner)
-    cycle = 2 * np.pi * course.phase[PAD:-PAD]
+    curves = step_along(trajectory, gait, manner)
+    cycle = 2 * np.pi * trajectory.phase[PAD:-PAD]
     heel = 0.7 * np.clip(np.stack([np.cos(cycle), -np.cos(cycle)], axis=1) * 2 + 0.3, 0.0, 1.0)
     curves.foot_pitch[:] = -heel
     curves.feet[..., 1] = np.minimum(curves.feet[..., 1], 0.1) + 0.13 * np.sin(heel)
@@ -160,15 +162,15 @@ def moonwalk(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> C
 def ice_skate(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Glide on one foot and push outward with the other, arms swinging sideways."""
     frames = frames or int(rng.uniform(3.0, 6.0) * FPS)
-    course, gait = travel(
+    trajectory, gait = travel(
         step,
         Gait(speed=rng.uniform(1.8, 3.0), cadence=rng.uniform(1.0, 1.5), crouch=0.14, lean=0.5),
         manner,
         rng,
         frames,
     )
-    curves = step_along(course, gait, manner)
-    cycle, going = 2 * np.pi * course.phase[PAD:-PAD], course.effort[PAD:-PAD]
+    curves = step_along(trajectory, gait, manner)
+    cycle, going = 2 * np.pi * trajectory.phase[PAD:-PAD], trajectory.effort[PAD:-PAD]
     facing = curves.heading
     for side, sign in ((LEFT, 1.0), (RIGHT, -1.0)):
         push = np.clip(sign * np.cos(cycle), 0.0, 1.0) ** 1.5 * going

@@ -1,1 +1,1 @@
-"""How a body moves: curves, footsteps, key poses, styles, joins, and posing a skeleton by inverse kinematics."""
+"""The motion engine: curves, footsteps, key poses, styles, joins, and posing a skeleton by inverse kinematics."""

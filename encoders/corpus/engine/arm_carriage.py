@@ -1,4 +1,4 @@
-"""Where people carry idle hands: in pockets, on the hips, held together, far from the body; by the style they act."""
+"""Arm carriage: where idle hands are held (pockets, hips, clasped, far from the body), depending on the style."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from numpy.random import Generator
 
 from encoders.corpus.engine.curves import Curves
 
-#: Where hands are carried: outward, upward, forward of either shoulder in arm lengths (left, right); the elbow's swing.
+#: Carriage -> wrists (outward, upward, forward of the own shoulder in arm lengths; left, right) and elbow swing.
 CARRIAGES: dict[str, tuple[tuple[tuple[float, float, float], tuple[float, float, float]], float]] = {
     "pockets": (((0.06, -0.82, 0.14), (0.06, -0.82, 0.14)), 0.4),
     "clasped": (((-0.3, -0.72, 0.3), (-0.3, -0.72, 0.3)), 0.1),
@@ -26,7 +26,7 @@ CARRIAGES: dict[str, tuple[tuple[tuple[float, float, float], tuple[float, float,
 }
 #: Carriages in which the hands meet, so that both are needed.
 _TOGETHER = frozenset({"clasped", "behind", "chest", "folded"})
-#: How often performers of a style carry their hands somewhere, and where.
+#: Style -> probability of a carriage, and the carriages.
 _CARRIED: dict[str, tuple[float, tuple[str, ...]]] = {
     "tired": (0.4, ("limp", "limp", "hips", "pockets", "knee")),
     "old": (0.5, ("behind", "bad back", "limp", "clasped", "knee")),
@@ -52,17 +52,17 @@ _CARRIED: dict[str, tuple[float, tuple[str, ...]]] = {
 
 
 def sample_carriage(style: str, rng: Generator) -> str:
-    """Where a performer of this style ("" for none) carries idle hands; mostly nowhere, ""."""
+    """A random carriage for a style ("" for none); mostly "", hanging hands."""
     chance, places = _CARRIED.get(style, (0.03, ("pockets", "clasped", "behind", "hips", "folded")))
     return places[int(rng.integers(len(places)))] if rng.random() < chance else ""
 
 
 def carry_idle_hands(curves: Curves, rng: Generator, carriage: str = "") -> None:
-    """Put hanging hands where some performers carry them all the time, in place; by chance where nothing is named."""
+    """Move hanging hands to a carriage, in place; to a random common one by default."""
     where = carriage or ("pockets", "clasped", "behind")[int(rng.integers(3))]
     places, elbow = CARRIAGES[where]
     idle = np.clip((-0.6 - curves.hands[..., 1]) / 0.2, 0.0, 1.0) * (1.0 - curves.reach_weight)
-    if carriage:  # an arm that does anything but hang and swing keeps to that
+    if carriage:  # only for arms that do nothing but hang and swing
         length = np.linalg.norm(curves.hands, axis=-1).min(axis=0)
         idle *= np.clip((length - 0.8) / 0.08, 0.0, 1.0) * (curves.hands[..., 1].max(axis=0) < -0.5)
     together = where in _TOGETHER

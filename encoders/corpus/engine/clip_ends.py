@@ -1,4 +1,4 @@
-"""How clips begin and end: standing a while, shifting a foot until it feels right, or cut in mid-motion."""
+"""Starts and ends of clips: idle standing, a shift of one foot, or a cut in mid-motion."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from encoders.corpus.engine.curves import ANKLE, LEFT, Curves, ease
 from encoders.corpus.engine.joining import at_rest, pause
 from encoders.corpus.scene import Scene
 
-_LONGEST = 50  #: frames of standing at either end
-_CUT = 9  #: frames that a cut takes at most; a count would no longer be true with more
-_FEW = 24  #: frames that a clip keeps
+_LONGEST = 50  #: most frames of standing at either end
+_CUT = 9  #: most frames removed by a cut, so that actions stay recognisable
+_FEW = 24  #: fewest frames of a clip after a cut
 
 
 def begin_and_end(curves: Curves, scene: Scene, rng: Generator, variation: float) -> Curves:
-    """The movement with what is before and after it in a real take."""
+    """The movement with the idle time, or the cuts, of a real take."""
     before = _idle(curves, 0, rng, variation)
     after = _idle(curves, -1, rng, variation)
     curves = pause(curves, before, after)
@@ -36,7 +36,7 @@ def _idle(curves: Curves, frame: int, rng: Generator, variation: float) -> int:
 
 
 def _shift_foot(curves: Curves, start: int, stop: int, rng: Generator) -> None:
-    """One standing foot is set down anew, some centimetres from where it stands for the rest, in place."""
+    """One standing foot is put down again some centimetres away, in place."""
     foot, inside = int(rng.integers(2)), slice(start, stop)
     if np.ptp(curves.feet[inside, :, 1]) > 0.01 or abs(curves.feet[start, foot, 1] - ANKLE) > 0.03:
         return
@@ -50,7 +50,7 @@ def _shift_foot(curves: Curves, start: int, stop: int, rng: Generator) -> None:
 
 
 def _cut(curves: Curves, rng: Generator) -> Curves:
-    """Cut into the movement a little at either end or both."""
+    """Remove some frames of the movement at either end or both."""
     sides = rng.integers(1, 4)
     first, last = (int(rng.integers(1, _CUT + 1)) if sides & bit else 0 for bit in (1, 2))
     frames = len(curves) - first - last

@@ -1,8 +1,8 @@
-"""Curves: a movement as few smooth curves over time, from which the body is posed by inverse kinematics.
+"""Curves: a movement as a few smooth channels over time, from which a body is posed by inverse kinematics.
 
-Written for a canonical body of about 1.7 m in the performer's own frame: the movement starts at the origin facing
-+Z, Y is up, the left hand lies at +X. All channels lie in one array (F, 45), so that joining, warping and
-mirroring are single operations; the named properties are writable views of it.
+They describe a canonical body of about 1.7 m in the performer's own frame: the movement starts at the origin facing
++Z, Y is up, left is +X. All channels lie in one array (F, 45), so that joining, warping and mirroring are single
+operations; the named properties are writable views of it.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from encoders.motion import FPS
 
 Array = NDArray[np.float64]
 
-STAND = 0.90  #: height of the hips' middle above the ground, standing relaxed
+STAND = 0.90  #: height of the hip centre above the ground, standing relaxed
 ANKLE = 0.085  #: height of the ankle above the ground, foot flat
-HIP = 0.095  #: half the distance of the feet, standing relaxed
+HIP = 0.095  #: half the distance between the feet, standing relaxed
 LEFT, RIGHT = 0, 1
 SIDE_INDEX = {"left": LEFT, "right": RIGHT}
 
@@ -55,7 +55,7 @@ class Curves:
     spans : list of (int, int)
         First and past-the-last frame of each action; idle lead-in and lead-out excluded.
     parts : frozenset of str
-        The parts of the body that the movement needs: "legs" (with translation and heading), "spine", "head",
+        The body parts that the movement occupies: "legs" (with translation and heading), "spine", "head",
         "left_arm", "right_arm". Other parts may be taken over by a simultaneous action.
     """
 
@@ -69,7 +69,7 @@ class Curves:
 
     @property
     def root(self) -> Array:
-        """Middle of the hips, (F, 3); height `STAND` when standing."""
+        """Hip centre, (F, 3); at height `STAND` when standing."""
         return self.data[:, 0:3]
 
     @property
@@ -129,12 +129,12 @@ class Curves:
 
     @property
     def reach(self) -> Array:
-        """Wrists in the world, (F, 2, 3); used as far as `reach_weight` says."""
+        """Wrists in the world, (F, 2, 3); blended by `reach_weight`."""
         return self.data[:, 25:45].reshape(-1, 2, 10)[..., 6:9]
 
     @property
     def reach_weight(self) -> Array:
-        """0: `hands` decides, 1: `reach` decides, (F, 2)."""
+        """Blend from `hands` (0) to `reach` (1), (F, 2)."""
         return self.data[:, 25:45].reshape(-1, 2, 10)[..., 5]
 
     @property
@@ -150,7 +150,7 @@ class Curves:
 
 
 def standing(frames: int, parts: frozenset[str] = BODY) -> Curves:
-    """A body that stands relaxed at the origin, arms hanging; its span is all of it."""
+    """A body standing relaxed at the origin, arms hanging; its span is the whole clip."""
     return Curves(np.repeat(_STANDING, frames, axis=0), [(0, frames)], parts)
 
 
@@ -168,20 +168,20 @@ _STANDING = _standing_row()
 
 
 def frames_of(seconds: float) -> int:
-    """Number of frames of a span of time, at least two."""
+    """Number of frames of a duration, at least two."""
     return max(2, round(seconds * FPS))
 
 
 def ease(x: ArrayLike) -> Array:
-    """Smooth step: 0 below 0, 1 above 1, no speed at either end."""
+    """Smoothstep: 0 below 0, 1 above 1, zero slope at either end."""
     x = np.clip(x, 0.0, 1.0)
     return np.asarray(x * x * (3.0 - 2.0 * x))
 
 
 def keys(frames: int, poses: Sequence[tuple[float, ArrayLike]]) -> Array:
-    """Pass through poses, resting at each: (F, ...) from pairs of (share of the duration in 0..1, value).
+    """Interpolate key values with a rest at each: (F, ...) from pairs of (share of the duration in 0..1, value).
 
-    Held before the first and after the last; two equal values in a row hold the pose.
+    Constant before the first and after the last; two equal values in a row hold the pose.
     """
     times = np.array([time for time, _ in poses])
     values = np.array([value for _, value in poses], dtype=np.float64)
@@ -205,7 +205,7 @@ def cycles(frames: int, count: float, phase: float = 0.0) -> Array:
 
 
 def blend(low: ArrayLike, high: ArrayLike, weight: Array) -> Array:
-    """Between two values by a weight over time: (F, ...)."""
+    """Linear blend of two values by a weight over time: (F, ...)."""
     low, high = np.asarray(low, np.float64), np.asarray(high, np.float64)
     weight = (
         weight.reshape(-1, *([1] * max(low.ndim, high.ndim))) if low.ndim < 2 and high.ndim < 2 else weight[:, None]

@@ -1,4 +1,4 @@
-"""Footsteps planted along a course: the engine under everything that walks, runs, turns, marches or crawls."""
+"""Footsteps planted along a trajectory: the engine of walking, running, turning, marching and crawling."""
 
 from __future__ import annotations
 
@@ -10,33 +10,33 @@ from encoders.corpus.engine.curves import ANKLE, LEFT, LEGS, RIGHT, STAND, Array
 from encoders.corpus.engine.style import Manner
 from encoders.motion import FPS
 
-#: Frames computed before and after those kept, so that footholds outside them are known.
+#: Extra frames computed at either end, so that footholds outside the clip are known.
 PAD = 30
 _BALL = (0.065, 0.13)  # ball of the foot below and ahead of the ankle, metres
 
 
 @dataclass(frozen=True)
 class Gait:
-    """How legs and arms carry the body; metres, radians, seconds.
+    """Parameters of a gait; metres, radians, seconds.
 
     Attributes
     ----------
     speed : float
-        Metres a second along the path.
+        Metres per second along the path.
     cadence : float
-        Steps a second, both feet together.
+        Steps per second of both feet.
     duty : float
-        Share of a cycle that a foot stands; under 0.5 the body flies.
+        Duty factor: share of a cycle that a foot is in stance; under 0.5 there is a flight phase.
     lift : float
-        How high the ankle rises in the swing.
+        Rise of the ankle in the swing.
     bob : float
         Rise and fall of the hips.
     push : float
-        How far the heel rises in push-off, radians.
+        Heel rise at push-off, radians.
     tiptoe : float
-        How far the heel stays up, radians.
+        Constant heel rise, radians.
     lean : float
-        Body forward.
+        Forward lean of the body.
     arms : float
         Swing of the upper arm to either side of its middle, radians.
     elbow : float
@@ -44,31 +44,31 @@ class Gait:
     twist, yaw : float
         How far the chest turns against the legs to either side, radians; the pelvis' share of it, the other way.
     behind : float
-        How far a foot stands behind the hips in the middle of its stance.
+        Distance of a foot behind the hips at mid-stance.
     around : float
-        How far outward a foot swings on its way.
+        Outward swing of a foot.
     nod, tip : float
         How far the trunk pitches, and leans aside, to either side with every step, radians.
     kick : float
-        How far the heel trails in the swing, metres.
+        Trailing of the heel in the swing, metres.
     drawn : float
-        How far back the upper arms are carried, radians.
+        Backward carriage of the upper arms, radians.
     out : float
-        How far off the body the hands are carried, arm lengths.
+        Distance of the hands from the body, arm lengths.
     knees : float
-        How far the knee swings out on its way, radians; inward where negative.
+        Outward swing of the knee, radians; inward if negative.
     width : float
-        Half the distance of the feet.
+        Half the distance between the feet.
     crouch : float
-        How much lower than standing the hips travel.
+        Lowering of the hips from standing.
     offset : float
         Cycles from the landing of the left foot to that of the right.
     cross : float
-        How far the left foot is put ahead of the right one's line, for legs that cross sideways.
+        Distance of the left foot ahead of the right, for legs that cross in sideways steps.
     faces : bool
-        Whether the body never turns to the side to which it goes.
+        Whether the body keeps facing ahead in sideways movement.
     gains : bool
-        Whether speed is gained all the way.
+        Whether speed increases throughout.
     """
 
     speed: float = 1.25
@@ -100,8 +100,8 @@ class Gait:
 
 
 @dataclass(frozen=True)
-class Course:
-    """Where a performer goes, on N = F + 2 PAD frames.
+class Trajectory:
+    """The path of a performer over N = F + 2 PAD frames.
 
     Attributes
     ----------
@@ -110,13 +110,13 @@ class Course:
     facing : float array (N,)
         Heading of the body.
     effort : float array (N,)
-        0 standing still to 1 full stride.
+        0 (standing still) to 1 (full stride).
     phase : float array (N,)
-        Gait cycles since some start, never decreasing; the left foot lands at whole numbers.
+        Gait cycles, never decreasing; the left foot lands at integers.
     level : float array (N,) or float
         Height of the ground where the hips are.
     lift : float array (N,) or float
-        Feet raised more than the gait says, in the swing.
+        Additional lift of the feet in the swing.
     """
 
     root: Array
@@ -127,15 +127,17 @@ class Course:
     lift: Array | float = 0.0
 
 
-def plant(course: Course, phase: Array, duty: float, aside: float, ahead: float = 0.0) -> tuple[Array, Array, Array]:
-    """A foot, knee or hand that is put down once a cycle and stays there until it swings.
+def plant(
+    trajectory: Trajectory, phase: Array, duty: float, aside: float, ahead: float = 0.0
+) -> tuple[Array, Array, Array]:
+    """A foot, knee or hand that is planted once per cycle and stays there until its swing.
 
     Parameters
     ----------
     phase : float array (N,)
-        Its own cycles: down from a whole number on for a share of `duty`.
+        Its own cycles: planted from each integer on for a share of `duty`.
     aside, ahead : float
-        Where it is put, to the left and ahead of the hips in the middle of its stance.
+        Foothold to the left and ahead of the hips at mid-stance.
 
     Returns
     -------
@@ -145,12 +147,14 @@ def plant(course: Course, phase: Array, duty: float, aside: float, ahead: float 
     index = np.floor(phase).astype(np.int64)
     holds = np.arange(index[0] - 1, index[-1] + 3)
     middle = np.interp(holds + duty / 2, phase + frames * 1e-9, frames)
-    facing = np.interp(middle, frames, course.facing)
+    facing = np.interp(middle, frames, trajectory.facing)
     sin, cos = np.sin(facing), np.cos(facing)
     spots = np.empty((len(holds), 4))
-    spots[:, 0] = np.interp(middle, frames, course.root[:, 0]) + aside * cos + ahead * sin
-    spots[:, 1] = np.interp(middle, frames, course.level) if isinstance(course.level, np.ndarray) else course.level
-    spots[:, 2] = np.interp(middle, frames, course.root[:, 1]) - aside * sin + ahead * cos
+    spots[:, 0] = np.interp(middle, frames, trajectory.root[:, 0]) + aside * cos + ahead * sin
+    spots[:, 1] = (
+        np.interp(middle, frames, trajectory.level) if isinstance(trajectory.level, np.ndarray) else trajectory.level
+    )
+    spots[:, 2] = np.interp(middle, frames, trajectory.root[:, 1]) - aside * sin + ahead * cos
     spots[:, 3] = facing
     share = phase - index
     swing = np.clip((share - duty) / (1 - duty), 0.0, 1.0)
@@ -163,20 +167,20 @@ def plant(course: Course, phase: Array, duty: float, aside: float, ahead: float 
     return place, share, swing
 
 
-def _foot(course: Course, gait: Gait, manner: Manner, side: int) -> tuple[Array, Array, Array, Array]:
-    """Ankle (N, 3), foot pitch (N,), foot yaw (N,) and the knee's swing outward (N,) of one side."""
+def _foot(trajectory: Trajectory, gait: Gait, manner: Manner, side: int) -> tuple[Array, Array, Array, Array]:
+    """Ankle (N, 3), foot pitch (N,), foot yaw (N,) and outward knee swing (N,) of one side."""
     width = gait.width * float(np.clip(manner.factor("width"), 0.25, 2.8))
     place, share, swing = plant(
-        course,
-        course.phase - (gait.offset if side == RIGHT else 0.0),
+        trajectory,
+        trajectory.phase - (gait.offset if side == RIGHT else 0.0),
         gait.duty,
         width if side == LEFT else -width,
         (gait.cross if side == LEFT else -gait.cross) - gait.behind,
     )
-    effort, facing = course.effort, place[:, 3]
-    # A foot that still has a way to go when the body has come to rest is lifted for it, too.
+    effort, facing = trajectory.effort, place[:, 3]
+    # A foot that must still move after the body has come to rest is lifted as well.
     goes = np.hypot(np.gradient(place[:, 0]), np.gradient(place[:, 2])) * FPS
-    raised = np.maximum(gait.lift + manner.lift, 0.015) * np.maximum(effort, 0.6 * ease(goes / 0.5)) + course.lift
+    raised = np.maximum(gait.lift + manner.lift, 0.015) * np.maximum(effort, 0.6 * ease(goes / 0.5)) + trajectory.lift
     raised = raised * np.sin(np.pi * swing**0.75) ** 1.3  # the heel is highest early in the swing
     # Push-off: the heel rises about the ball of the foot, then the toes come up for landing.
     flat = 0.62 if gait.duty > 0.5 else 0.4
@@ -197,52 +201,52 @@ def _foot(course: Course, gait: Gait, manner: Manner, side: int) -> tuple[Array,
     return ankle, toes * effort * np.minimum(land, 1.0) - heel, facing, gait.knees * swinging
 
 
-def step_along(course: Course, gait: Gait, manner: Manner) -> Curves:
-    """Curves of a body that goes along a course; every part is posed, "legs" are needed."""
-    keep = slice(PAD, len(course.phase) - PAD)
-    phase, effort = course.phase[keep], course.effort[keep]
+def step_along(trajectory: Trajectory, gait: Gait, manner: Manner) -> Curves:
+    """Curves of a body along a trajectory; all channels are set, only "legs" are occupied."""
+    keep = slice(PAD, len(trajectory.phase) - PAD)
+    phase, effort = trajectory.phase[keep], trajectory.effort[keep]
     curves = standing(len(phase), LEGS)
     for side in (LEFT, RIGHT):
-        ankle, pitch, yaw, knee = _foot(course, gait, manner, side)
+        ankle, pitch, yaw, knee = _foot(trajectory, gait, manner, side)
         curves.feet[:, side], curves.foot_pitch[:, side] = ankle[keep], pitch[keep]
         curves.foot_yaw[:, side] = yaw[keep] - curves.foot_yaw[:, side]  # toes point straight ahead
         curves.knee[:, side] += knee[keep] if side == LEFT else -knee[keep]
     cycle = 2 * np.pi * phase
-    middle = cycle - np.pi * gait.duty  # 0 in the middle of the left foot's stance, half a turn on of the right's
+    middle = cycle - np.pi * gait.duty  # 0 at mid-stance of the left foot, pi at mid-stance of the right
     beat = np.cos(middle)
-    _hips(curves, course, gait, manner, middle)
+    _hips(curves, trajectory, gait, manner, middle)
     _torso(curves, gait, manner, effort, cycle, beat)
-    _balance(curves, course, 0.25 if gait.duty > 0.5 else 0.33)
+    _balance(curves, trajectory, 0.25 if gait.duty > 0.5 else 0.33)
     _arms(curves, gait, manner, effort, cycle)
     return curves
 
 
-def _hips(curves: Curves, course: Course, gait: Gait, manner: Manner, middle: Array) -> None:
-    keep = slice(PAD, len(course.phase) - PAD)
+def _hips(curves: Curves, trajectory: Trajectory, gait: Gait, manner: Manner, middle: Array) -> None:
+    keep = slice(PAD, len(trajectory.phase) - PAD)
     beat = np.cos(middle)
-    effort, facing = course.effort[keep], course.facing[keep]
+    effort, facing = trajectory.effort[keep], trajectory.facing[keep]
     narrow = min(gait.width / 0.05, 1.6)
     wide = (0.04 if gait.duty < 0.5 else 0.026) * narrow
     sway = wide * float(np.clip(manner.factor("sway"), 0.2, 2.5)) * effort * beat
     # Slower over the standing foot, faster from foot to foot; least so where the body flies.
     share = 0.13 if gait.duty > 0.5 else 0.08
-    surge = np.gradient(course.root, axis=0)[keep] * FPS * share / (2 * np.pi * gait.cadence)
+    surge = np.gradient(trajectory.root, axis=0)[keep] * FPS * share / (2 * np.pi * gait.cadence)
     surge *= -np.sin(2 * middle)[:, None]
-    curves.root[:, 0] = course.root[keep, 0] + sway * np.cos(facing) + surge[:, 0]
-    curves.root[:, 2] = course.root[keep, 1] - sway * np.sin(facing) + surge[:, 1]
+    curves.root[:, 0] = trajectory.root[keep, 0] + sway * np.cos(facing) + surge[:, 0]
+    curves.root[:, 2] = trajectory.root[keep, 1] - sway * np.sin(facing) + surge[:, 1]
     flies = gait.duty < 0.5
     bob = gait.bob * float(np.clip(manner.factor("bounce"), 0.2, 1.5 if flies else 2.5))
     bob += 0.011 * max(manner.bounce - 0.2, 0.0) + 0.4 * manner.pulse
     bob = -bob if flies else bob
-    level = smooth_level(course.level, len(course.phase))[keep]
-    # A spared leg makes the body sink and lean while it stands.
+    level = smooth_level(trajectory.level, len(trajectory.phase))[keep]
+    # The body sinks and leans over a limping leg in stance.
     curves.root[:, 1] = STAND + level - gait.crouch + 0.12 * np.sin(gait.tiptoe)
     curves.root[:, 1] += effort * (bob * (2 * beat * beat - 1) - 0.03 * manner.limp * beat)
     curves.heading[:] = facing
 
 
 def smooth_level(level: Array | float, frames: int, window: int = 15) -> Array:
-    """Ground under the hips (N,), without its steps."""
+    """Smoothed height of the ground under the hips (N,)."""
     if not isinstance(level, np.ndarray):
         return np.full(frames, float(level))
     padded = np.pad(level, window // 2, mode="edge")
@@ -252,27 +256,27 @@ def smooth_level(level: Array | float, frames: int, window: int = 15) -> Array:
 def _torso(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Array, beat: Array) -> None:
     roll = 0.05 * float(np.clip(manner.factor("sway"), 0.2, 3.0)) * effort * beat
     turn = gait.twist * float(np.clip(manner.factor("twist"), 0.2, 2.5)) * effort * np.cos(cycle - 0.15)
-    # The trunk tips forward as a foot lands and is thrown back over it.
+    # The trunk pitches forward at foot contact and back over the foot.
     nod = gait.nod * effort * np.cos(2 * cycle - 0.4)
     curves.pelvis[:, 0] = 0.35 * gait.lean * effort + nod
     curves.pelvis[:, 1] = -roll
     curves.pelvis[:, 2] = -gait.yaw * turn
     curves.spine[:, 0] = 0.65 * gait.lean * effort
-    # The trunk leans to the foot that lands.
+    # The trunk leans towards the landing foot.
     curves.spine[:, 1] = roll + effort * ((gait.tip + manner.rock) * np.cos(cycle) + 0.12 * manner.limp * beat)
     curves.spine[:, 2] = (1 + gait.yaw) * turn
     curves.head[:, 0] = -0.5 * gait.lean * effort + 4.0 * manner.pulse * effort * np.cos(2 * cycle)
     curves.head[:, 2] = -0.7 * turn
 
 
-def _balance(curves: Curves, course: Course, share: float) -> None:
-    """Lean against what speeds the body up, slows it down and carries it round a bend, by a share of what is due."""
-    keep = slice(PAD, len(course.phase) - PAD)
-    sin, cos = np.sin(course.facing), np.cos(course.facing)
-    velocity = np.gradient(course.root, axis=0) * FPS
+def _balance(curves: Curves, trajectory: Trajectory, share: float) -> None:
+    """Lean against acceleration and centripetal force, by a share of the equilibrium angle."""
+    keep = slice(PAD, len(trajectory.phase) - PAD)
+    sin, cos = np.sin(trajectory.facing), np.cos(trajectory.facing)
+    velocity = np.gradient(trajectory.root, axis=0) * FPS
     forward = velocity[:, 0] * sin + velocity[:, 1] * cos
     ahead = share * np.gradient(forward)[keep] * FPS / 9.81
-    inward = 1.5 * share * (forward * np.gradient(course.facing))[keep] * FPS / 9.81
+    inward = 1.5 * share * (forward * np.gradient(trajectory.facing))[keep] * FPS / 9.81
     lean, roll = 0.35 * np.tanh(ahead / 0.35), 0.25 * np.tanh(inward / 0.25)
     curves.pelvis[:, 0] += 0.5 * lean
     curves.spine[:, 0] += 0.5 * lean
@@ -286,7 +290,7 @@ def _arms(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Arra
     side = np.stack([-np.cos(cycle - 0.15), np.cos(cycle - 0.15)], axis=1)  # 1: this arm is ahead
     effort = effort[:, None]
     upper = effort * (swing * side - gait.drawn)
-    # Walkers swing the forearm, runners the upper arm, hands before the body.
+    # Walkers swing the forearm; runners the upper arm, with the hands in front of the body.
     forearm, inward = (0.35, 0.08) if gait.duty < 0.5 else (1.2, 0.0)
     bend = 0.2 + effort * (gait.elbow - 0.2 + forearm * swing * (side + 0.3))
     out = 0.1 + effort * (gait.out - (inward + 0.1 * np.maximum(side, 0.0)) * min(gait.elbow, 1.0))
@@ -296,7 +300,7 @@ def _arms(curves: Curves, gait: Gait, manner: Manner, effort: Array, cycle: Arra
 
 
 def swing_arms(curves: Curves, upper: Array, bend: Array, out: float | Array = 0.13) -> None:
-    """Let both arms swing in the body's middle plane.
+    """Swing both arms in the sagittal plane, in place.
 
     Parameters
     ----------
@@ -312,7 +316,7 @@ def swing_arms(curves: Curves, upper: Array, bend: Array, out: float | Array = 0
 
 
 def gait_phase(rate: Array, start: float, manner: Manner) -> Array:
-    """Gait cycles from steps a second (N,); uneven where the manner limps or stops and goes."""
+    """Gait cycles from steps per second (N,); uneven if the manner limps or is jerky."""
     phase = start + np.cumsum(rate) / (2 * FPS)
     angle = 2 * np.pi * phase
     uneven = 0.045 * float(np.clip(manner.limp, -1.2, 1.2)) * np.sin(angle)

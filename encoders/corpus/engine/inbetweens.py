@@ -1,4 +1,4 @@
-"""In-betweens: how limbs travel between key poses, and what the rest of the body does meanwhile."""
+"""In-betweens: interpolation of limbs between key poses, and accompanying movements of the body."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from numpy.random import Generator
 
 from encoders.corpus.engine.curves import LEFT, RIGHT, Array, Curves, ease
 
-_TURN = np.pi / 3  #: how far a foot turns in one step on the spot
+_TURN = np.pi / 3  #: rotation of a foot in one step on the spot
 
 
 def through(now: Array, times: Array, values: Array) -> Array:
-    """Monotone cubic through key values, (F, C): it rests where a channel turns round, and never overshoots.
+    """Monotone cubic interpolation of key values, (F, C): no overshoot, zero slope at extrema.
 
-    Fritsch and Carlson's piecewise cubic with harmonic-mean slopes and no speed at either end.
+    The piecewise cubic of Fritsch and Carlson (1980) with harmonic-mean slopes and zero slope at either end.
     """
     if len(times) == 1:
         return np.repeat(values, len(now), axis=0)
@@ -36,7 +36,7 @@ def through(now: Array, times: Array, values: Array) -> Array:
 
 
 def with_arcs(times: Array, values: Array, rng: Generator) -> tuple[Array, Array]:
-    """Give long swings of an arm (over 100 degrees) a middle pose, out to the side or in front; values (K, 4)."""
+    """Insert a middle pose, out to the side or in front, into arm swings over 100 degrees; values (K, 4)."""
     radius = np.linalg.norm(values[:, :3], axis=1, keepdims=True)
     aim = values[:, :3] / np.maximum(radius, 1e-6)
     long = np.flatnonzero((aim[:-1] * aim[1:]).sum(1) < -0.17)
@@ -51,9 +51,9 @@ def with_arcs(times: Array, values: Array, rng: Generator) -> tuple[Array, Array
 
 
 def swung(now: Array, times: Array, rows: Array, share: float) -> tuple[Array, Array]:
-    """Wrists (F, 3) through key places: by `share` on arcs about the shoulder, else on straight lines.
+    """Wrists (F, 3) through key places: a blend, by `share`, of arcs about the shoulder and straight lines.
 
-    `rows` (K, 4) holds a further channel, which is returned too, (F,).
+    `rows` (K, 4) has a fourth channel, which is interpolated and returned too, (F,).
     """
     radius = np.sqrt((rows[:, :3] ** 2).sum(1, keepdims=True))
     path = through(now, times, np.concatenate([rows, radius], axis=1))
@@ -63,7 +63,7 @@ def swung(now: Array, times: Array, rows: Array, share: float) -> tuple[Array, A
 
 
 def clear_of_body(hands: Array) -> Array:
-    """Wrists (F, 3) pushed out of the trunk, taken as an elliptic cylinder below the shoulders."""
+    """Wrists (F, 3) pushed out of the trunk, an elliptic cylinder below the shoulders."""
     out = hands.copy()
     sideways, ahead = hands[:, 0] + 0.34, hands[:, 2]
     depth = np.sqrt((sideways / 0.36) ** 2 + (ahead / 0.27) ** 2)
@@ -74,13 +74,13 @@ def clear_of_body(hands: Array) -> Array:
 
 
 def elbow_room(hands: Array) -> Array:
-    """How far to turn the elbow out (F,) so that an upper arm keeps off the ribs while the hand is before the body."""
+    """Outward elbow swing (F,) that keeps the upper arm off the ribs while the hand is in front of the body."""
     crossing = np.clip(-0.05 - hands[:, 0], 0.0, 0.6) * np.clip(hands[:, 2] / 0.2, 0.0, 1.0)
     return 1.2 * crossing * np.clip((0.25 - hands[:, 1]) / 0.3, 0.0, 1.0)
 
 
 def accompany(curves: Curves, rng: Generator) -> None:
-    """The trunk goes along with the arms: it turns behind a hand held out and leans away from a raised one."""
+    """The trunk accompanies the arms, in place: it turns with a hand held out and leans away from a raised one."""
     ahead = curves.hands[:, RIGHT, 2] - curves.hands[:, LEFT, 2]
     above = curves.hands[:, RIGHT, 1] - curves.hands[:, LEFT, 1]
     curves.spine[:, 2] += rng.uniform(0.0, 0.25) * ahead
@@ -90,7 +90,7 @@ def accompany(curves: Curves, rng: Generator) -> None:
 
 
 def take_stance(curves: Curves, rng: Generator) -> None:
-    """Stand as people do: feet more or less apart, one ahead, and the weight now here, now there."""
+    """A natural stance, in place: feet apart, one ahead, and a slowly shifting weight."""
     apart, stagger = rng.uniform(0.0, 0.1), rng.normal(0.0, 0.04)
     curves.feet[:, :, 0] += [apart, -apart]
     curves.feet[:, :, 2] += [stagger, -stagger]
@@ -106,10 +106,10 @@ def take_stance(curves: Curves, rng: Generator) -> None:
 
 
 def step_round(curves: Curves) -> None:
-    """Carry root and feet round with the heading, about the origin, in place.
+    """Rotate root and feet with the heading about the origin, in place.
 
-    With both feet near the ground the turn is stepped: each foot turns in its own steps and lifts for them. With one
-    foot up it is a pivot, and both go along.
+    With both feet near the ground the turn is stepped: each foot lifts and turns in its own steps. With one foot raised
+    it is a pivot, and both feet follow.
     """
     pivots = bool((curves.feet[..., 1] > 0.3).any())
     turned = np.stack([curves.heading] * 2, axis=1)
@@ -125,7 +125,7 @@ def step_round(curves: Curves) -> None:
 
 
 def _about(points: Array, angle: Array) -> Array:
-    """Points (F, 3) turned to the left about the vertical through the origin."""
+    """Points (F, 3) rotated to the left about the vertical through the origin."""
     cos, sin = np.cos(angle), np.sin(angle)
     x, z = points[:, 0], points[:, 2]
     return np.stack([cos * x + sin * z, points[:, 1], cos * z - sin * x], axis=1)

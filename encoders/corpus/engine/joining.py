@@ -1,4 +1,4 @@
-"""Movements put together: one after the other with aligned joins, or at once on different parts of the body."""
+"""Movements combined: in sequence with aligned joins, or simultaneously by body part."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from numpy.random import Generator
 
 from encoders.corpus.engine.curves import ANKLE, PART_CHANNELS, Array, Curves, ease
 
-_MAX_STEP = 3.0  # metres or radians a second that a join carries over from a movement's end
+_MAX_STEP = 3.0  # most metres or radians per second that a join takes over from either end
 
 
 def place(curves: Curves, at: Array, heading: float) -> Curves:
-    """The movement begun at another place (3,) and heading: turned about Y, then moved."""
+    """The movement from another position (3,) and heading: rotated about Y, then translated."""
     placed = Curves(curves.data.copy(), curves.spans, curves.parts)
     sin, cos = np.sin(heading), np.cos(heading)
     for points in (placed.root[:, None], placed.feet, placed.reach):
@@ -27,7 +27,7 @@ def place(curves: Curves, at: Array, heading: float) -> Curves:
 
 
 def _ground(curves: Curves) -> float:
-    """Height of the ground that the last frame stands on; 0 where it does not stand."""
+    """Height of the ground under the last frame; 0 if it does not stand."""
     feet = curves.feet[-1, :, 1] - ANKLE
     level = float(feet.min())
     stands = abs(curves.pelvis[-1, 0]) < 0.6 and curves.root[-1, 1] - level > 0.7
@@ -35,7 +35,7 @@ def _ground(curves: Curves) -> float:
 
 
 def _seam(before: Curves, after: Curves) -> int:
-    """Frames between two movements, the more the further the poses are apart."""
+    """Frames between two movements; more for poses further apart."""
     feet = np.abs(after.feet[0] - after.root[0] - before.feet[-1] + before.root[-1]).max()
     hips = abs(after.root[0, 1] - before.root[-1, 1])
     hands = np.abs(after.hands[0] - before.hands[-1]).max()
@@ -44,7 +44,7 @@ def _seam(before: Curves, after: Curves) -> int:
 
 
 def join(before: Curves, after: Curves) -> Curves:
-    """One movement after the other: position and heading aligned, then interpolated over 4 to 26 frames.
+    """One movement after the other: position and heading aligned, 4 to 26 frames interpolated.
 
     Position and heading align as in TEACH (Athanasiou et al. 2022); between, every channel follows the cubic that keeps
     both ends' velocities, and a foot that has to move is lifted, one after the other.
@@ -83,7 +83,7 @@ def join(before: Curves, after: Curves) -> Curves:
 
 
 def chain(movements: Sequence[Curves]) -> Curves:
-    """All movements in a row."""
+    """All movements in sequence."""
     joined = movements[0]
     for movement in movements[1:]:
         joined = join(joined, movement)
@@ -91,10 +91,9 @@ def chain(movements: Sequence[Curves]) -> Curves:
 
 
 def overlay(base: Curves, extra: Curves, start: int) -> Curves:
-    """Both at once from frame `start`: the parts that `extra` needs follow it, all others `base` (as in SINC).
+    """Body-part overlay from frame `start` (as in SINC): the parts that `extra` occupies follow it, all others `base`.
 
-    Hands that reach for places in the world reach for them relative to the moving body. `base` stands still at its
-    end while `extra` is not done.
+    Hands that reach for places in the world follow the moving body. `base` holds its last frame until `extra` ends.
     """
     frames = max(len(base), start + len(extra))
     data = np.concatenate([base.data, np.repeat(base.data[-1:], frames - len(base), axis=0)])
@@ -120,13 +119,13 @@ def pause(curves: Curves, before: int, after: int) -> Curves:
 
 
 def at_rest(curves: Curves, frame: int) -> bool:
-    """Whether the body stands still at a frame (0 or -1)."""
+    """Whether the body is at rest at a frame (0 or -1)."""
     step = curves.data[1] - curves.data[0] if frame == 0 else curves.data[-1] - curves.data[-2]
     return bool(np.abs(step[[0, 2]]).max() < 0.012)
 
 
 def roam(frames: int, channels: int, rng: Generator, hertz: float) -> Array:
-    """Slow random curves (F, C) of unit variance at their knots, `hertz` knots a second."""
+    """Smooth noise (F, C) with unit variance at `hertz` knots per second."""
     knots = max(int(frames / 20 * hertz) + 2, 4)
     at = np.linspace(0, knots - 1.001, frames)
     low = at.astype(np.int64)

@@ -1,4 +1,4 @@
-"""Acting: what a program is told about its performance, and the decorator that makes programs of key poses."""
+"""Keyframed actions: the decorator that turns functions from a cue to key poses into action programs."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ _RIGHT_HANDED = 0.7
 
 @dataclass
 class Cue:
-    """One performance of a step: who leads, and chance in handy forms.
+    """The context of one performance of a step: the leading side, and random choices.
 
     Attributes
     ----------
     step, manner, rng, frames
-        As a program is given them.
+        The arguments of the program.
     lead : str
-        Side that leads: the step's, or by chance, mostly the right.
+        Leading side: the step's, else random, mostly the right.
     """
 
     step: ActionStep
@@ -67,12 +67,12 @@ class Cue:
         return 1.0 if self.step.direction == self.lead else -1.0
 
     def size(self, spread: float = 0.15) -> float:
-        """Factor of a gesture's size: the step's amplitude, the performer's reach, and chance."""
+        """Random factor of a gesture's size, by the step's amplitude and the performer's reach."""
         reach = 0.5 * float(np.clip(self.manner.reach, -0.6, 0.5))
         return float(_SIZE[self.step.amplitude] * np.exp(reach + self.rng.normal(0.0, spread)))
 
     def times(self, low: int, high: int, period: float = 0.0) -> int:
-        """How often: the step's count, else what fills `frames` at `period` seconds a time, else chance."""
+        """Number of repetitions: the step's count, else what fills `frames` at `period` seconds each, else random."""
         if self.step.count:
             return self.step.count
         if self.frames and period:
@@ -80,20 +80,20 @@ class Cue:
         return int(self.rng.integers(low, high + 1))
 
     def r(self, low: float, high: float) -> float:
-        """Uniform chance."""
+        """A uniform random number."""
         return float(self.rng.uniform(low, high))
 
     def chance(self, share: float) -> bool:
-        """True in this share of performances."""
+        """True with this probability."""
         return bool(self.rng.random() < share)
 
     def about(self, centre: ArrayLike, spread: float = 0.06) -> Array:
-        """Near `centre`, as people differ."""
+        """`centre` with normal noise."""
         centre = np.asarray(centre, np.float64)
         return np.asarray(centre + self.rng.normal(0.0, 1.0, centre.shape) * spread)
 
     def height(self, low: float, middle: float, high: float) -> float:
-        """The value of the step's height; by chance between the lowest and the highest where it names none."""
+        """The value for the step's height; random between low and high if unspecified."""
         named = {"low": low, "middle": middle, "high": high}.get(self.step.height)
         return self.r(low, high) if named is None else named
 
@@ -102,24 +102,24 @@ Blocking = Callable[[Cue], list[KeyPose]]
 
 
 def keyframed(
-    name: str, *, group: str, parts: Iterable[str] = BODY, precise: bool = False, **particulars: object
+    name: str, *, group: str, parts: Iterable[str] = BODY, precise: bool = False, **attributes: object
 ) -> Callable[[Blocking], Blocking]:
     """Register a function from a `Cue` to key poses as an action program.
 
     Parameters
     ----------
     parts : iterable of str
-        What it owns; "lead_arm" is the arm that leads, or both.
+        Occupied body parts; "lead_arm" is the leading arm, or both.
     precise : bool
-        Hands touch something, so their places vary little.
-    **particulars
-        As for `encoders.corpus.actions.programs.program`.
+        Whether hands touch something, so that their positions vary little.
+    **attributes
+        As for `encoders.corpus.engine.program.program`.
     """
     owned = frozenset(parts)
     declared = owned - ONE_ARM | (ARMS if owned & ONE_ARM else frozenset())
 
     def register(blocking: Blocking) -> Blocking:
-        @program(name, group=group, parts=declared, **particulars)
+        @program(name, group=group, parts=declared, **attributes)
         def make(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
             cue = Cue(step, manner, rng, frames)
             pace = float(np.exp(-np.clip(manner.pace, -0.5, 0.4) + rng.normal(0.0, 0.12)))
@@ -135,12 +135,12 @@ def keyframed(
 
 
 def moved(place: ArrayLike, outward: float, upward: float, forward: float) -> Array:
-    """A place shifted."""
+    """A place shifted by an offset."""
     return np.asarray(np.asarray(place, np.float64) + np.array([outward, upward, forward]))
 
 
 def grip(across: float, up: float, ahead: float, apart: float = 0.06) -> dict[str, ArrayLike]:
-    """Both hands on one handle: `across` from the middle of the body to the leading side, in arm lengths."""
+    """Both hands on one handle: `across` from the body's centre towards the leading side, in arm lengths."""
     return {
         "lead": (across - 0.34 + apart, up + apart, ahead),
         "off": (-across - 0.34 + apart, up - apart, ahead),
@@ -150,7 +150,7 @@ def grip(across: float, up: float, ahead: float, apart: float = 0.06) -> dict[st
 def orbit(
     channel: str, centre: ArrayLike, first: ArrayLike, second: ArrayLike, turns: int, seconds: float
 ) -> list[KeyPose]:
-    """Keys that carry a channel round an ellipse `turns` times: half axes `first` (where it begins) and `second`."""
+    """Key poses that move a channel round an ellipse `turns` times: half axes `first` (its start) and `second`."""
     angle = np.arange(1, turns * 8 + 1)[:, None] * (np.pi / 4)
     points = np.asarray(centre) + np.cos(angle) * np.asarray(first) + np.sin(angle) * np.asarray(second)
     return [key(seconds / 8, **{channel: point}) for point in points]

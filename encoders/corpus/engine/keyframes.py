@@ -1,8 +1,8 @@
-"""Key frames: a movement told as key poses, the way an animator blocks it, turned into curves.
+"""Keyframes: a movement as a sequence of key poses, as animators block it, interpolated to curves.
 
-It is told for a performer whose right side leads; where the left leads the curves are mirrored. Sideways values are
-positive towards the leading side, hands are (outward, upward, forward) of their own shoulder in arm lengths, feet are
-(outward, upward, forward) of where they stand in metres, angles are radians. Channels of a key:
+Key poses assume that the right side leads; for the left side the curves are mirrored. Sideways values are positive
+towards the leading side; hands are (outward, upward, forward) of their own shoulder in arm lengths; feet are (outward,
+upward, forward) of their standing position in metres; angles are radians. Channels of a key pose:
 
     lead, off, hands        wrist of the leading hand, of the other, of both; REST hangs
     hand, elbow             both if the step's side is "both", otherwise the leading one
@@ -57,7 +57,7 @@ _TO_LEAD = np.array([1.0, -1.0, -1.0])  # the right side leads: towards it is -X
 
 @dataclass(frozen=True)
 class KeyPose:
-    """A pose reached `seconds` after the one before and held for `hold`; channels it does not name move on freely."""
+    """A pose reached `seconds` after the previous one and held for `hold`; other channels interpolate across it."""
 
     seconds: float
     hold: float
@@ -65,17 +65,17 @@ class KeyPose:
 
 
 def key(seconds: float, hold: float = 0.0, /, **channels: ArrayLike) -> KeyPose:
-    """A key pose; see the module for the channels."""
+    """A key pose; see the module docstring for the channels."""
     return KeyPose(seconds, hold, channels)
 
 
 def back(seconds: float = 0.6) -> KeyPose:
-    """Everything returns to standing relaxed."""
+    """A key pose of standing relaxed: all channels return to neutral."""
     return KeyPose(seconds, 0.0, {"all": ()})
 
 
 def _expand(keys: Iterable[KeyPose], both: bool) -> list[KeyPose]:
-    """Spell out paired channels, and `hand` and `elbow` by the side."""
+    """Expand paired channels, and `hand` and `elbow` by the side."""
     aliases: dict[str, tuple[str, ...]] = {
         **_PAIRS,
         "hand": _PAIRS["hands"] if both else ("lead",),
@@ -90,7 +90,7 @@ def _expand(keys: Iterable[KeyPose], both: bool) -> list[KeyPose]:
 def _timed(
     keys: Sequence[KeyPose], tempo: float, rng: Generator, frames: int
 ) -> tuple[list[tuple[float, float, Channels]], float]:
-    """(arrival, departure, channels) of each key in seconds, with human timing, and the total."""
+    """(arrival, departure, channels) of each key in seconds, with random timing, and the total."""
     moves = np.array([k.seconds for k in keys]) * tempo * np.exp(rng.normal(0.0, 0.08, len(keys)))
     holds = np.array([k.hold for k in keys]) * np.exp(rng.normal(0.0, 0.25, len(keys)))
     total = float(moves.sum() + holds.sum())
@@ -107,7 +107,7 @@ def _timed(
 
 
 def _tracks(timed: Sequence[tuple[float, float, Channels]]) -> dict[str, tuple[Array, Array]]:
-    """Key times and values of each channel that any key names, beginning at the neutral pose."""
+    """Key times and values of each channel that any key names, starting at the neutral pose."""
     named = {name for _, _, channels in timed for name in channels} - {"all"}
     named |= {{"lead_reach": "lead", "off_reach": "off"}.get(name, name) for name in named}
     tracks = {}
@@ -135,7 +135,7 @@ def _tracks(timed: Sequence[tuple[float, float, Channels]]) -> dict[str, tuple[A
 
 
 def _stride(start: tuple[float, Array], end: tuple[float, Array]) -> list[tuple[float, Array]]:
-    """The lifted middle of a step from one place on the ground to another."""
+    """The lifted middle of a step between two places on the ground."""
     way = float(np.hypot(*(end[1] - start[1])[[0, 2]]))
     if way < 0.02 or max(start[1][1], end[1][1]) > 0.02:
         return []
@@ -144,7 +144,7 @@ def _stride(start: tuple[float, Array], end: tuple[float, Array]) -> list[tuple[
 
 
 def _return(name: str, last: tuple[float, Array], begin: float, end: float, value: Array) -> list[tuple[float, Array]]:
-    """A foot goes home: the leading one in the first half of the time, the other in the second."""
+    """The return of a foot: the leading one in the first half of the time, the other in the second."""
     middle = (begin + end) / 2
     start, stop = (begin, middle) if name == "lead_foot" else (middle, end)
     home = [] if stop == end else [(stop, value)]
@@ -163,26 +163,26 @@ def play(
     precise: bool = False,
     reach: float = 1.0,
 ) -> Curves:
-    """Curves through key poses.
+    """Interpolate key poses to curves.
 
     Parameters
     ----------
     keys : sequence of Key
-        The movement, from standing relaxed.
+        Starting from standing relaxed.
     lead : str
         Side that leads, "left" or "right".
     both : bool
-        Whether `hand` and `elbow` mean both sides.
+        Whether `hand` and `elbow` refer to both sides.
     tempo : float
-        Factor of every move's time.
+        Factor of the time between key poses.
     frames : int
-        Length to fill by holding longer, or to fit by hurrying somewhat; 0 takes what it takes.
+        Target length, by longer holds or somewhat faster moves; 0 for the natural length.
     parts : iterable of str
-        What the movement needs; "lead_arm" is the leading arm, or both.
+        Occupied body parts; "lead_arm" is the leading arm, or both.
     precise : bool
-        Hands touch something, so their places vary little.
+        Whether hands touch something, so that their positions vary little.
     reach : float
-        Factor of the hands' distance from before the chest, unless they are precise.
+        Factor of the hands' distance from the chest, unless precise.
     """
     timed, total = _timed(_expand(keys, both), tempo, rng, frames)
     count = max(2, round(total * FPS))
@@ -243,19 +243,19 @@ def _move_hand(
     rng: Generator,
     reach: float | None,
 ) -> None:
-    """Fill wrist, hang and reach of one hand; busy keys stray from what was told: precise ones (no reach) little."""
+    """Set wrist, hang and reach of one hand; hands off rest get noise, little of it if `reach` is None (precise)."""
     if name not in tracks:
         curves.hands[:, hand] += rng.normal(0.0, 0.02, 3)
         return
-    times, told = tracks[name]
-    busy = np.abs(told - np.array(REST)).max(-1, keepdims=True) > 0.02
+    times, target = tracks[name]
+    busy = np.abs(target - np.array(REST)).max(-1, keepdims=True) > 0.02
     if reach is None:
-        stray = rng.normal(0.0, 0.018, 3) + rng.normal(0.0, 0.006, told.shape)
+        stray = rng.normal(0.0, 0.018, 3) + rng.normal(0.0, 0.006, target.shape)
     else:
-        stray = rng.normal(0.0, 0.045, 3) + rng.normal(0.0, 0.015, told.shape)
-        told = told + (reach - 1.0) * (told - _BEFORE_CHEST) * busy
-    values = told + stray * busy
-    length, meant = np.linalg.norm(values, axis=1, keepdims=True), np.linalg.norm(told, axis=1, keepdims=True)
+        stray = rng.normal(0.0, 0.045, 3) + rng.normal(0.0, 0.015, target.shape)
+        target = target + (reach - 1.0) * (target - _BEFORE_CHEST) * busy
+    values = target + stray * busy
+    length, meant = np.linalg.norm(values, axis=1, keepdims=True), np.linalg.norm(target, axis=1, keepdims=True)
     values = np.where(meant > 0.88, values * np.minimum(meant / length, 1.0 / length), values)
     times, rows = with_arcs(times, np.concatenate([values, 0.8 - 0.65 * busy], axis=1), rng)
     late = now - rng.normal(0.0, 0.02)

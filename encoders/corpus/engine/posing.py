@@ -1,4 +1,4 @@
-"""Bodies: random but human skeleton geometry, and posing one from curves by two-bone inverse kinematics.
+"""Posing: random human skeleton geometry, and joint positions from curves by two-bone inverse kinematics.
 
 Everything is vectorised over frames, and the four limbs are solved together.
 """
@@ -14,7 +14,7 @@ from numpy.random import Generator
 from encoders.corpus.engine.curves import ANKLE, Array, Curves
 from encoders.skeleton import INDEX, MIRROR
 
-#: Offset of each joint from its parent in metres, standing, of a typical adult rig.
+#: Offset of each joint from its parent, metres, of a typical adult rig in standing pose.
 OFFSETS = np.array(
     [
         [0, 0, 0], [0.085, -0.07, -0.01], [-0.085, -0.07, -0.01], [0, 0.115, -0.015], [0, -0.4, 0], [0, -0.4, 0],
@@ -23,7 +23,7 @@ OFFSETS = np.array(
         [0.11, 0.03, -0.015], [-0.11, 0.03, -0.015], [0, -0.27, 0], [0, -0.27, 0], [0, -0.26, 0], [0, -0.26, 0],
     ]
 )  # fmt: skip
-_AHEAD = 0.075  #: hips ahead of the ankles, standing
+_AHEAD = 0.075  #: metres of the hips ahead of the ankles, standing
 LEG_LENGTH = 0.815  #: length of the canonical leg, hip to ankle
 
 _HIPS = [INDEX["left_hip"], INDEX["right_hip"]]
@@ -38,7 +38,7 @@ _OUT = np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])  # own-side outward to worl
 
 
 def random_geometry(rng: Generator, *, spread: float = 1.0) -> Array:
-    """Offsets (22, 3) of a random body, symmetric, as rigs differ: lengths, widths, slopes and bone directions."""
+    """Offsets (22, 3) of a random symmetric body: lengths, widths, slopes and bone directions vary as between rigs."""
     offsets = OFFSETS * np.exp(rng.normal(0.0, 0.07 * spread, (22, 1)))
     offsets *= np.exp(rng.normal(0.0, 0.05 * spread))
     offsets[1:] += rng.normal(0.0, 1.0, (21, 3)) * spread * _WOBBLE[1:]
@@ -46,7 +46,7 @@ def random_geometry(rng: Generator, *, spread: float = 1.0) -> Array:
     return np.asarray((offsets + mirrored) / 2)
 
 
-#: How far each offset strays between rigs, in metres, by axis (averaging both sides shrinks it by 0.7).
+#: Standard deviation of each offset between rigs, metres per axis (averaging both sides shrinks it by 0.7).
 _WOBBLE = np.zeros((22, 3))
 _WOBBLE[_HIPS] = [0.012, 0.05, 0.015]
 _WOBBLE[[3, 6, 9]] = [0.0, 0.02, 0.018]
@@ -98,11 +98,11 @@ def two_bone(start: Array, target: Array, upper: Array, lower: Array, pole: Arra
     Parameters
     ----------
     start, target : float array (..., 3)
-        Root of the limb; where its end is to be. A target out of reach is drawn in along the line.
+        Root of the limb; target of its end. A target out of reach is moved in along the line.
     upper, lower : float array (...)
         Bone lengths.
     pole : float array (..., 3)
-        Direction that the middle joint bends towards.
+        Direction in which the middle joint bends.
     """
     line = target - start
     distance = np.sqrt(_dot(line, line))
@@ -117,13 +117,13 @@ def two_bone(start: Array, target: Array, upper: Array, lower: Array, pole: Arra
 
 
 def _swing(pole: Array, axis: Array, angle: Array) -> Array:
-    """Turn `pole` about a unit `axis` (Rodrigues), the part along the axis left out."""
+    """Rotate `pole`, less its component along a unit `axis`, about that axis (Rodrigues)."""
     pole = pole - _dot(pole, axis) * axis
     return np.asarray(np.cos(angle)[..., None] * pole + np.sin(angle)[..., None] * _cross(axis, pole))
 
 
 def _carry(vector: Array, source: Array, target: Array) -> Array:
-    """Turn `vector` (at right angles to `source`) by the smallest rotation that takes `source` to `target`."""
+    """Rotate `vector` (orthogonal to `source`) by the smallest rotation from `source` to `target`."""
     return np.asarray(
         vector - (source + target) * (_dot(vector, target) / np.maximum(1.0 + _dot(source, target), 0.05))
     )
@@ -134,13 +134,13 @@ def _length(offsets: Array, joints: list[int]) -> Array:
 
 
 def leg_scale(offsets: Array) -> float:
-    """Length of a body's legs over the canonical leg's."""
+    """Ratio of a body's leg length to the canonical one."""
     return float((_length(offsets, _KNEES) + _length(offsets, _ANKLES)).mean() / LEG_LENGTH)
 
 
 @dataclass(frozen=True)
 class _Trunk:
-    """Joints (F, 22, 3) whose limbs are still empty, and the frames of pelvis and chest (F, 3, 3)."""
+    """Joints (F, 22, 3) with limbs not yet set, and the frames of pelvis and chest (F, 3, 3)."""
 
     joints: Array
     pelvis: Array
@@ -160,7 +160,7 @@ def _trunk(curves: Curves, offsets: Array, scale: float) -> _Trunk:
     pelvis, bend = tilt[3] @ tilt[0], tilt[1]
     hips = offsets[_HIPS]
     local = turn(pelvis, np.concatenate([hips - hips.mean(0), [-hips.mean(0), offsets[3] - hips.mean(0)]]))
-    # Upright, the hips are carried ahead of the ankles, over the middle of the feet.
+    # Upright, the hips are ahead of the ankles, over the middle of the feet.
     upright = np.clip((curves.root[:, 1] - 0.5) / 0.3, 0.0, 1.0) * np.clip(np.cos(curves.pelvis[:, 0]), 0.0, 1.0)
     root = curves.root * scale + _AHEAD * upright[:, None] * tilt[3][:, :, 2]
     joints[:, [*_HIPS, 0, 3]] = root[:, None] + local
@@ -171,7 +171,7 @@ def _trunk(curves: Curves, offsets: Array, scale: float) -> _Trunk:
     chest = frame @ bend
     joints[:, [12, *_COLLARS]] = joints[:, 9:10] + turn(chest, offsets[[12, *_COLLARS]])
     joints[:, 15] = joints[:, 12] + turn(chest @ tilt[2], offsets[15:16])[:, 0]
-    # A raised arm takes its shoulder along.
+    # A raised arm lifts its shoulder.
     lift = curves.shrug + 0.35 * np.clip(curves.hands[..., 1] + 0.1, 0.0, 1.1) * (1 - curves.reach_weight)
     cos, sin = np.cos(lift), np.sin(lift)
     out, up, ahead = (offsets[_SHOULDERS] * _OUT).T
@@ -181,29 +181,29 @@ def _trunk(curves: Curves, offsets: Array, scale: float) -> _Trunk:
 
 
 def _lower(curves: Curves, hips: Array, offsets: Array, scale: float) -> Array:
-    """How far to lower the hips (F, 1) so that feet near the ground come within reach of their legs."""
+    """Lowering of the hips (F, 1) that brings feet near the ground within reach of their legs."""
     reach = (_length(offsets, _KNEES) + _length(offsets, _ANKLES)) * 0.997
     gap = hips - curves.feet * scale
     excess = gap[..., 1] - np.sqrt(np.maximum(reach * reach - gap[..., 0] ** 2 - gap[..., 2] ** 2, 0.01))
     grounded = np.clip(2.0 - curves.feet[..., 1] / (1.5 * ANKLE), 0.0, 1.0)
     needed = (np.clip(excess, 0.0, 0.12) * grounded).max(-1)
-    # The mean of the highest nearby is never lower than what is needed, and smooth.
+    # The mean of a running maximum is smooth and never below what is needed.
     for width, reduced in ((7, np.max), (7, np.mean)):
         needed = reduced(sliding_window_view(np.pad(needed, width // 2, mode="edge"), width), axis=-1)
     return np.asarray(needed[:, None])
 
 
 def _knee_poles(curves: Curves, trunk: _Trunk, axis: Array) -> Array:
-    """Knees bend to the pelvis' front, as it is carried along by the leg, and towards the toes: (F, 2, 3)."""
+    """Knee poles (F, 2, 3): the front of the pelvis, rotated with the leg, mixed with the direction of the toes."""
     pole = _carry(trunk.pelvis[:, None, :, 2], -trunk.pelvis[:, None, :, 1], axis)
     toes = np.stack([np.sin(curves.foot_yaw), np.zeros_like(curves.foot_yaw), np.cos(curves.foot_yaw)], -1)
     return _swing(pole + 0.5 * toes * np.clip(-axis[..., 1:2], 0.0, 1.0), axis, -curves.knee)
 
 
 def _hand_targets(curves: Curves, trunk: _Trunk, arm: Array, scale: float) -> Array:
-    """Wrists in the world (F, 2, 3): from the chest, from the upright, or where they reach."""
+    """Wrists in the world (F, 2, 3): a blend of the chest's frame, an upright frame and world targets."""
     own = curves.hands * (arm[:, None] * _OUT)
-    # Gravity's frame keeps the chest's heading and drops its pitch and roll.
+    # The upright frame has the chest's heading without pitch and roll.
     yaw = np.arctan2(trunk.chest[:, 0, 2], trunk.chest[:, 2, 2])
     level = turn(rotation(np.zeros_like(yaw), np.zeros_like(yaw), yaw), own)
     hand = turn(trunk.chest, own)
@@ -212,7 +212,7 @@ def _hand_targets(curves: Curves, trunk: _Trunk, arm: Array, scale: float) -> Ar
 
 
 def _elbow_poles(curves: Curves, trunk: _Trunk, axis: Array) -> Array:
-    """Elbows point back where the arm hangs, down where it is held forward, outward where it is raised: (F, 2, 3)."""
+    """Elbow poles (F, 2, 3): back for a hanging arm, down for one held forward, outward for a raised one."""
     raised = axis @ trunk.chest[:, :, 1:2]
     local = np.empty_like(axis)
     local[..., 0] = _OUT[:, 0] * (0.12 + 0.3 * np.clip(raised[..., 0] + 0.4, 0.0, 1.0))

@@ -1,7 +1,6 @@
-"""How people stand while their arms act: feet apart or one ahead, knees soft, hips that shift and a trunk that follows.
+"""Stances: how performers stand while their arms move, with feet apart, soft knees, and shifting hips and trunk.
 
-Sizes were set beside the CMU takes of the training split in which nobody goes anywhere: made gestures stood with their
-feet side by side and their hips still, people do neither.
+The amounts were fitted to the stationary CMU takes of the training split.
 """
 
 from __future__ import annotations
@@ -14,22 +13,22 @@ from numpy.random import Generator
 from encoders.corpus.engine.curves import ANKLE, Array, Curves
 from encoders.corpus.engine.joining import roam
 
-#: Who stands: hips this high and not carried anywhere, feet that stay where they are.
+#: Standing: hips at least this high, feet that move less than this (metres).
 _HIPS, _STAYS = 0.78, 0.02
 
 
 @dataclass(frozen=True)
 class Stance:
-    """One performer's way to stand.
+    """The stance of one performer.
 
     Attributes
     ----------
-    apart, ahead : feet further apart each, the left ahead of the right; metres
-    toes : turned out further, radians
-    soft : hips lower, metres
-    lean, aside : trunk forward, and to the left; radians
-    onto : hips over the left foot rather than between the feet, metres
-    restless : how much hips and trunk move, 1 as most people's do
+    apart, ahead : additional distance of each foot outward, and of the left ahead of the right; metres
+    toes : additional outward turn of the toes, radians
+    soft : lowering of the hips, metres
+    lean, aside : lean of the trunk forward and to the left, radians
+    onto : shift of the hips towards the left foot, metres
+    restless : amount of movement of hips and trunk, 1 is typical
     """
 
     apart: float = 0.0
@@ -43,7 +42,7 @@ class Stance:
 
 
 def sample_stance(rng: Generator, variation: float = 1.0) -> Stance:
-    """Most stand nearly even; some wide, some with a foot well ahead, some with their weight on one leg."""
+    """A random stance: mostly nearly even; some wide, some with a foot well ahead or the weight on one leg."""
     wide = rng.uniform(0.0, 0.14) if rng.random() < 0.2 else 0.0
     return Stance(
         apart=variation * (wide + float(rng.normal(-0.01, 0.032))),
@@ -58,7 +57,7 @@ def sample_stance(rng: Generator, variation: float = 1.0) -> Stance:
 
 
 def stand(curves: Curves, stance: Stance, rng: Generator) -> Curves:
-    """The movement by somebody who stands like this, in place; where a foot moves or nobody stands, as it was."""
+    """Apply a stance to a movement, in place; unchanged if a foot moves or the body does not stand."""
     feet = curves.feet
     stays = np.ptp(feet, axis=0).max() < _STAYS and np.ptp(curves.heading) < 0.2
     if not stays or curves.root[:, 1].min() < _HIPS or abs(feet[0, 0, 1] - ANKLE) > 0.05:
@@ -69,11 +68,11 @@ def stand(curves: Curves, stance: Stance, rng: Generator) -> Curves:
     feet[:, 0] += shift
     feet[:, 1] -= shift
     curves.foot_yaw[:] += np.array([stance.toes, -stance.toes])
-    # A wider stance has the hips lower, as legs do not grow.
+    # A wider stance lowers the hips, because leg lengths are fixed.
     curves.root[:, 1] -= stance.soft + 0.5 * (max(stance.apart, 0.0) ** 2 + stance.ahead**2)
     curves.pelvis[:, 0] += 0.5 * stance.lean
     curves.spine[:, 0] += 0.5 * stance.lean
-    # The hip over the foot that bears the weight stands higher; the trunk stays upright over both.
+    # The hip over the loaded foot is higher; the trunk stays upright.
     curves.root[:] += stance.onto * aside
     curves.pelvis[:, 1] -= 1.1 * stance.onto
     curves.spine[:, 1] += 1.1 * stance.onto + stance.aside
@@ -82,7 +81,7 @@ def stand(curves: Curves, stance: Stance, rng: Generator) -> Curves:
 
 
 def _sway(curves: Curves, restless: float, aside: Array, along: Array, rng: Generator) -> None:
-    """Weight shifts from foot to foot and from heel to toe; the trunk turns and leans with busy arms."""
+    """Shift the weight between feet and between heel and toe; turn and lean the trunk with moving arms."""
     drift = restless * roam(len(curves), 6, rng, 1.0)
     curves.root[:] += 0.014 * drift[:, :1] * aside + 0.02 * drift[:, 1:2] * along
     curves.root[:, 1] -= 0.006 * np.abs(drift[:, 2])

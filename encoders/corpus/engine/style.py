@@ -1,4 +1,4 @@
-"""How somebody moves: the manner of a performer, as few numbers that change the body, and named styles of it."""
+"""Manners and styles: the manner of a performer as a few numbers that change the body, and named styles."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from encoders.motion import FPS
 
 @dataclass(frozen=True)
 class Manner:
-    """Body changes of one performer; 0 everywhere is neutral.
+    """Body changes of one performer; all 0 is neutral.
 
     The first group are logarithms of factors, so that ``exp(manner.pace)`` multiplies a speed; the second group are
     angles in radians, the third shares of an arm's length or metres.
     """
 
-    pace: float = 0.0  # tempo of everything
+    pace: float = 0.0  # overall tempo
     stride: float = 0.0  # step length
     swing: float = 0.0  # arm swing
     sway: float = 0.0  # sideways hip movement and roll
@@ -52,7 +52,7 @@ class Manner:
     pulse: float = 0.0  # hips and head bounce to a beat, metres
     splay: float = 0.0  # knees outward, radians
 
-    carriage: str = ""  # where idle hands are carried, a name of `encoders.corpus.engine.arm_carriage.CARRIAGES`
+    carriage: str = ""  # where idle hands are held, a name of `encoders.corpus.engine.arm_carriage.CARRIAGES`
 
     def factor(self, field: str) -> float:
         """Factor of a logarithmic field, e.g. ``manner.factor("pace")``."""
@@ -128,7 +128,7 @@ def _row(changes: Mapping[str, float]) -> Array:
 
 _STYLE_ROWS = np.stack([_row(style) for style in STYLES.values()])
 _OTHER_ROWS = {name: np.stack([_row(way) for way in ways]) for name, ways in STYLE_VARIANTS.items()}
-#: How performers differ by themselves, standard deviation by field.
+#: Standard deviation between performers, by field.
 _INDIVIDUAL = Manner(
     pace=0.12, stride=0.12, swing=0.4, sway=0.35, bounce=0.25, twist=0.35, width=0.3, reach=0.15, bend=0.09, tilt=0.07,
     nod=0.12, roll=0.03, toes=0.12, shrug=0.05, elbow=0.2, apart=0.06, raised=0.06, ahead=0.05, crouch=0.012,
@@ -138,9 +138,9 @@ _INDIVIDUAL_ROW = np.array([getattr(_INDIVIDUAL, field) for field in _FIELDS])
 
 
 def sample_individual(rng: Generator) -> Array:
-    """How one performer moves in any style: a row of manner fields.
+    """The individual manner of a random performer: a row of manner fields.
 
-    Nobody is neutral: beside chance in every field, a part of one or two styles is mixed in.
+    Besides noise in every field, a share of one or two styles is mixed in.
     """
     row = rng.normal(0.0, 1.0, len(_FIELDS)) * _INDIVIDUAL_ROW
     strength = rng.uniform(0.0, 0.6, 2) * (rng.random(2) < 0.6)
@@ -162,7 +162,7 @@ def sample_manner(
     row = individual
     if style:
         own = _sample_style(style, styles, rng)
-        # Not every performer shows a style by all of its means.
+        # Performers weight the fields of a style differently.
         means = np.exp(rng.normal(0.0, 0.3, len(_FIELDS))) * np.where(rng.random(len(_FIELDS)) < 0.12, 0.25, 1.0)
         row = 0.5 * individual + own * _strength(rng) * means
     row = np.clip(row, _LEAST, _MOST)
@@ -170,7 +170,7 @@ def sample_manner(
     return manner if rng.random() < 0.5 else replace(manner, roll=-manner.roll, limp=-manner.limp)
 
 
-#: No field goes further than these, however strongly a style is acted: at half the pace one still goes somewhere.
+#: Limits of each field, so that a strong style stays plausible.
 _LEAST, _MOST = np.full(len(_FIELDS), -2.0), np.full(len(_FIELDS), 2.0)
 for _field, _low, _high in (
     ("pace", -0.8, 0.55), ("stride", -0.8, 0.45), ("bend", -0.5, 1.1), ("nod", -0.7, 1.0), ("tilt", -0.35, 0.35),
@@ -190,7 +190,7 @@ def _sample_style(style: str, styles: Mapping[str, Mapping[str, float]], rng: Ge
 
 
 def _strength(rng: Generator) -> float:
-    """Most act a style clearly, some hint at it, some overact it."""
+    """Random strength of a style: mostly clear, sometimes faint or exaggerated."""
     return float(rng.uniform(1.2, 1.9) if rng.random() < 0.25 else rng.uniform(0.55, 1.3))
 
 
@@ -201,7 +201,7 @@ def _pulse(frames: int, rng: Generator, knots_per_second: float) -> Array:
 
 
 def apply_manner(curves: Curves, manner: Manner, rng: Generator) -> None:
-    """Bend the body of `curves` to the manner, in place: posture and unsteadiness (not tempo and stride)."""
+    """Apply a manner to the body of `curves`, in place: posture and unsteadiness (not tempo and stride)."""
     frames = len(curves)
     curves.spine[:, 0] += manner.bend
     curves.spine[:, 1] += manner.roll
@@ -217,7 +217,7 @@ def apply_manner(curves: Curves, manner: Manner, rng: Generator) -> None:
         _bounce_to_a_beat(curves, manner, rng)
     if manner.carriage:
         carry_idle_hands(curves, rng, manner.carriage)
-    # Arms that are busy (raised, or holding on in the world) keep their place the more.
+    # Busy arms (raised, or reaching for a place in the world) are changed less.
     busy = np.clip((curves.hands[..., 1] + 0.9) / 0.5, 0.0, 1.0)
     idle = (1.0 - busy) * (1.0 - curves.reach_weight)
     carried = 0.3 if manner.carriage else 1.0
@@ -231,7 +231,7 @@ def apply_manner(curves: Curves, manner: Manner, rng: Generator) -> None:
 
 
 def _plant_wide(curves: Curves, manner: Manner) -> None:
-    """Who walks with the feet wide apart stands so, too."""
+    """Widen the stance of a body that stands, in place."""
     feet = curves.feet
     if np.ptp(feet, axis=0).max() > 0.02 or curves.root[:, 1].min() < 0.7 or np.ptp(curves.heading) > 0.2:
         return
@@ -242,7 +242,7 @@ def _plant_wide(curves: Curves, manner: Manner) -> None:
 
 
 def _bounce_to_a_beat(curves: Curves, manner: Manner, rng: Generator) -> None:
-    """Knees give, head nods and trunk sways to a beat where the feet stay; steps have a beat of their own."""
+    """Bounce knees, head and trunk to a beat where the feet are still, in place."""
     pace = np.abs(np.diff(curves.root[:, [0, 2]], axis=0, prepend=curves.root[:1, [0, 2]])).sum(1) * FPS
     still = np.clip(1.0 - pace / 0.4, 0.0, 1.0)
     beat = 2 * np.pi * (rng.uniform(1.4, 2.2) * np.arange(len(curves)) / FPS + rng.random())

@@ -1,8 +1,8 @@
-"""Other ways to act a style than its usual one, as rows of manner fields: actors differ in what they show it by."""
+"""Variants of styles, as manner fields: performers show the same style differently."""
 
 from __future__ import annotations
 
-#: Ways to act each style, of which a performer chooses one or mixes it in.
+#: Style -> variants, one of which a performer chooses or mixes in.
 STYLE_VARIANTS: dict[str, tuple[dict[str, float], ...]] = {
     "tired": (
         {"pace": -0.55, "stride": -0.45, "swing": -1.0, "bend": 0.75, "nod": 0.4, "tilt": 0.12, "crouch": 0.07,

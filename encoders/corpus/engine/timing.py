@@ -1,4 +1,4 @@
-"""How long things take: speed words, the performer's pace, and chance."""
+"""Durations, from the step's speed, the performer's pace, and noise."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ SPEED = {"slow": 0.62, "": 1.0, "fast": 1.45}
 
 
 def tempo(step: ActionStep, rng: Generator, spread: float = 0.08) -> float:
-    """Factor of the pace that the step's speed asks for, with some chance in it."""
+    """Random factor of the pace for the step's speed."""
     return SPEED[step.speed] * float(np.exp(rng.normal(0.0, spread)))
 
 
 def duration(base: float, step: ActionStep, manner: Manner, rng: Generator, frames: int = 0) -> int:
-    """Frames of an action that takes `base` seconds at an ordinary pace; a hint wins."""
+    """Frames of an action that takes `base` seconds at ordinary pace; a hint `frames` takes precedence."""
     return frames or frames_of(base / (tempo(step, rng, 0.15) * manner.factor("pace") ** 0.6))

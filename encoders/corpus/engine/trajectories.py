@@ -1,4 +1,4 @@
-"""Courses: where a performer goes, in every direction a sentence can name, from rest or on the move."""
+"""Trajectories of locomotion in every direction that a step can have, from rest or already moving."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.random import Generator
 
 from encoders.corpus.engine.curves import Array, Curves, ease, hold
-from encoders.corpus.engine.gait import PAD, Course, Gait, gait_phase, step_along
+from encoders.corpus.engine.gait import PAD, Gait, Trajectory, gait_phase, step_along
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import SPEED, tempo
 from encoders.corpus.scene import ActionStep
@@ -24,24 +24,24 @@ AHEAD = ("forward", "left", "right", "forward-left", "forward-right")
 CURVED = ("clockwise", "counterclockwise", "around", "zigzag", "back and forth")
 
 
-#: Share of takes that were cut where somebody is already going and still goes on.
-_UNDER_WAY = 0.25
+#: Share of clips in which locomotion starts before and ends after the clip.
+_MOVING_THROUGHOUT = 0.25
 
 
 def seconds(frames: int) -> Array:
-    """Time of every frame of a course, (N,), 0 where the kept part begins."""
+    """Time of every frame of a trajectory, (N,), 0 at the start of the clip."""
     return (np.arange(frames + 2 * PAD) - PAD) / FPS
 
 
 def effort(frames: int, rng: Generator, *, rest: float = 0.6, rise: float = 0.6) -> Array:
-    """Speed over time, 0 to 1, (N,): from rest or already going, to rest or still going, some all the time.
+    """Relative speed over time, 0 to 1, (N,): from rest or moving, to rest or moving.
 
-    `rest` is the chance of rest at either end, `rise` the seconds it takes to get going.
+    `rest` is the probability of rest at either end, `rise` the seconds of acceleration.
     """
     now, total = seconds(frames), frames / FPS
     rise = min(rise * rng.uniform(0.6, 1.5), 0.35 * total)
     going = np.ones(len(now))
-    if rng.random() < _UNDER_WAY:
+    if rng.random() < _MOVING_THROUGHOUT:
         return going
     if rng.random() < rest:
         going *= ease((now - rng.uniform(0.0, 0.2)) / (rise * rng.uniform(0.8, 1.3)))
@@ -51,7 +51,7 @@ def effort(frames: int, rng: Generator, *, rest: float = 0.6, rise: float = 0.6)
 
 
 def _gaining(frames: int, rng: Generator) -> Array:
-    """Speed over time of somebody who sprints in a hall, 0 to 1, (N,): from rest or not, it is gained all the way."""
+    """Relative speed over time of a sprint in a hall, 0 to 1, (N,): it increases throughout, from rest or not."""
     now, total = seconds(frames), frames / FPS
     first = 0.0 if rng.random() < 0.35 else rng.uniform(0.4, 0.85)
     going = 1 - (1 - first) * np.exp(-np.maximum(now - 0.1, 0.0) / rng.uniform(0.5, 1.6))
@@ -74,23 +74,23 @@ def _zigzag(gone: Array, rng: Generator) -> Array:
 def _back_and_forth(gone: Array, total: float, rng: Generator) -> Array:
     turns = max(1, round(total / rng.uniform(1.5, 3.0)) - 1)
     at = total * np.arange(1, turns + 1) / (turns + 1)
-    metres = max(0.6, 0.35 * FPS * float(np.diff(gone).max()))  # who goes fast needs room to turn
+    metres = max(0.6, 0.35 * FPS * float(np.diff(gone).max()))  # turns at speed need room
     return np.asarray(rng.choice([-1, 1]) * np.pi * ease((gone[:, None] - at) / metres + 0.5).sum(1))
 
 
 def bearing(direction: str, way: Array, rng: Generator, *, faces: bool = False) -> tuple[Array, float]:
-    """How a body faces and moves along its way.
+    """Heading and direction of movement along a path.
 
     Parameters
     ----------
     way : float array (N,)
-        Metres gone.
+        Distance travelled, metres.
     faces : bool
-        The body keeps facing ahead; otherwise many turn to where they go.
+        Whether the body keeps facing ahead; otherwise it often turns to its direction.
 
     Returns
     -------
-    facing : (N,) heading; angle : radians from the facing to the direction of movement, to the left.
+    facing : (N,) heading; angle : radians from the heading to the direction of movement, left positive.
     """
     gone = way - way[PAD]
     total = max(float(gone[-PAD - 1]), 0.3)
@@ -101,11 +101,11 @@ def bearing(direction: str, way: Array, rng: Generator, *, faces: bool = False) 
     if direction == "back and forth":
         return _back_and_forth(gone, total, rng), 0.0
     angle = TURN[direction]
-    if "-" in direction:  # diagonals are seldom exact
+    if "-" in direction:  # diagonals are rarely exact
         angle += np.sign(angle) * np.deg2rad(rng.uniform(-20, 20) * (1 if direction.startswith("forward") else -1))
     backward = direction.startswith("backward")
     if faces or backward or not angle or rng.random() < (0.85 if "-" in direction else 0.6):
-        if direction in ("left", "right") and not faces:  # who goes left while looking ahead goes ahead, too
+        if direction in ("left", "right") and not faces:  # sideways movement while facing ahead drifts forward
             angle *= rng.uniform(0.4, 1.05)
         return _wandering(rng) * gone / max(total, 3.0), angle
     start = rng.uniform(0.0, 0.4) * total
@@ -113,19 +113,19 @@ def bearing(direction: str, way: Array, rng: Generator, *, faces: bool = False) 
 
 
 def _wandering(rng: Generator) -> float:
-    """How far the way of somebody who goes straight bends, radians: hardly, but one in four has little room."""
+    """Random bend of a straight path, radians: mostly slight; one in four is larger."""
     return float(np.clip(rng.normal(0.0, 0.1 if rng.random() < 0.75 else 0.3), -0.4, 0.4))
 
 
 def askew(rng: Generator) -> float:
-    """How far somebody who goes ahead is turned from the way, radians: hardly, but up to 12 degrees."""
+    """Random angle between heading and a forward path, radians: at most 12 degrees."""
     return float(np.clip(rng.normal(0.0, 0.08), -0.21, 0.21))
 
 
 def travel(
     step: ActionStep, gait: Gait, manner: Manner, rng: Generator, frames: int, going: Array | None = None
-) -> tuple[Course, Gait]:
-    """The course of a step, and the gait as direction, speed, amplitude and manner change it."""
+) -> tuple[Trajectory, Gait]:
+    """The trajectory of a step, and the gait modified by direction, speed, amplitude and manner."""
     pace = tempo(step, rng)
     stride = manner.factor("stride") * {"small": 0.65, "": 1.0, "large": 1.3}[step.amplitude]
     still = step.direction == "in place"
@@ -134,7 +134,7 @@ def travel(
     fastest = 1.9 if gait.duty > 0.5 else 6.5
     speed = gait.speed * pace * manner.factor("pace") * stride * sideways
     speed = min(speed, fastest)
-    if going is None:  # runs in a hall are short, with the start and the stop inside
+    if going is None:  # runs in a hall are short and include start and stop
         going = _gaining(frames, rng) if gait.gains else effort(frames, rng, rest=0.5 if gait.duty > 0.5 else 0.65)
     way = np.cumsum(speed * going) / FPS
     facing, angle = bearing(
@@ -143,15 +143,15 @@ def travel(
     pace_of_feet = gait.cadence * np.sqrt(pace) * manner.factor("pace")
     if not still and abs(angle) < 0.3:
         angle += askew(rng)
-    if gait.duty < 0.4:  # whoever gallops or lifts the knees high does so at any speed
+    if gait.duty < 0.4:  # gallops and high knees do not depend on speed
         gait = _running_at(gait, speed)
-    # A leg reaches only so far: who steps out further at this cadence stands shorter.
+    # The reach of a leg is limited: longer steps at the same cadence shorten the stance.
     reach = 0.7 if gait.duty < 0.5 else 0.95
     duty = min(gait.duty, max(reach * pace_of_feet / 2 / max(speed, 0.1), 0.52 if gait.duty > 0.5 else 0.2))
     phase = gait_phase(pace_of_feet * (0.75 + 0.25 * going), rng.random(), manner)
     backing = max(-float(np.cos(angle)), 0.0)
-    trying = going**0.4 if gait.gains else going  # who sprints does his utmost from the first step
-    course = Course(integrate(0.0 * way if still else way, facing + angle), facing - facing[PAD], trying, phase)
+    trying = going**0.4 if gait.gains else going  # sprints have full effort from the first step
+    trajectory = Trajectory(integrate(0.0 * way if still else way, facing + angle), facing - facing[PAD], trying, phase)
     changed = replace(
         gait,
         speed=speed,
@@ -161,11 +161,11 @@ def travel(
         behind=gait.behind - 0.06 * backing,
         lean=gait.lean + backing * rng.normal(0.06, 0.1),
     )
-    return course, _aside(changed, float(np.sin(angle)), speed / max(pace_of_feet, 0.5), rng)
+    return trajectory, _sideways(changed, float(np.sin(angle)), speed / max(pace_of_feet, 0.5), rng)
 
 
 def _running_at(gait: Gait, speed: float) -> Gait:
-    """A run, stated at 3.4 m/s, at another speed: who goes slower stands longer, lifts the feet and leans less."""
+    """A run, parametrised at 3.4 m/s, at another speed: slower means longer stance, less lift and less lean."""
     ratio = float(np.clip(speed / 3.4, 0.35, 1.4))
     return replace(
         gait,
@@ -178,10 +178,10 @@ def _running_at(gait: Gait, speed: float) -> Gait:
     )
 
 
-def _aside(gait: Gait, share: float, stride: float, rng: Generator) -> Gait:
-    """The gait as it goes aside: wider; fully sideways the legs cross, or one foot leads and the other closes.
+def _sideways(gait: Gait, share: float, stride: float, rng: Generator) -> Gait:
+    """The gait for sideways movement: wider; fully sideways the legs cross, or one foot leads and the other closes.
 
-    `share` is the sine of the angle between the facing and the way, `stride` the metres of one step.
+    `share` is the sine of the angle between heading and path, `stride` the metres of one step.
     """
     gait = replace(gait, width=gait.width + 0.03 * abs(share))
     if abs(share) < 0.35 or gait.duty < 0.5:
@@ -199,12 +199,12 @@ def integrate(way: Array, direction: Array) -> Array:
 
 
 def stay(step: ActionStep, gait: Gait, manner: Manner, rng: Generator) -> int:
-    """Frames that a performer has at this gait: up to 12 seconds, mostly cut short by a room of 3 to 10 metres."""
+    """Random length of a gait in frames: up to 12 seconds, mostly limited by a room of 3 to 10 metres."""
     runs = gait.duty < 0.5
     most = rng.uniform(1.5, 4.0) if runs and rng.random() < 0.6 else rng.uniform(2.0, 6.0)
     if step.direction not in STRAIGHT:
         return int(most * FPS)
-    if rng.random() < 0.4:  # a straight way across a hall
+    if rng.random() < 0.4:  # a straight path across a hall
         most = rng.uniform(4.0, 12.0)
     if rng.random() < 0.2:
         return int(most * FPS)
@@ -213,10 +213,10 @@ def stay(step: ActionStep, gait: Gait, manner: Manner, rng: Generator) -> int:
 
 
 def go(step: ActionStep, gait: Gait, manner: Manner, rng: Generator, frames: int = 0) -> Curves:
-    """Act a gait out along the step's direction, 2 to 6 seconds long or as the room allows unless `frames` says."""
-    course, gait = travel(step, gait, manner, rng, frames or stay(step, gait, manner, rng))
-    curves = step_along(course, gait, manner)
-    # Few carry hips and shoulders quite square to each other.
+    """Perform a gait in the step's direction, for `frames` or a random length."""
+    trajectory, gait = travel(step, gait, manner, rng, frames or stay(step, gait, manner, rng))
+    curves = step_along(trajectory, gait, manner)
+    # Hips and shoulders are rarely exactly parallel.
     twisted = rng.normal(0.0, 0.05)
     curves.pelvis[:, 2] -= twisted
     curves.spine[:, 2] += 1.5 * twisted
@@ -225,7 +225,7 @@ def go(step: ActionStep, gait: Gait, manner: Manner, rng: Generator, frames: int
 
 
 def _turn_along(curves: Curves, rng: Generator) -> None:
-    """Where the body goes aside, head and hips turn to the way by some share of it, toes with the hips."""
+    """In sideways movement, turn head and hips (with the toes) partly to the path, in place."""
     head = rng.uniform(0.1, 0.6) * (rng.random() < 0.4)
     hips = rng.uniform(0.05, 0.3) * (rng.random() < 0.5)
     way = curves.root[-1, [0, 2]] - curves.root[0, [0, 2]]

@@ -1,4 +1,4 @@
-"""Key poses: whole-body rows of curves, and smooth movement through them."""
+"""Whole-body key poses: rows of curves, and smooth movement through them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _BOTH = {"hands": 1.0, "feet": -1.0, "reach": -1.0}
 
 
 def pose(**channels: ArrayLike) -> Array:
-    """One row of curves (45,): standing, but for the named channels.
+    """One row of curves (45,): standing, except for the named channels.
 
     `root`, `pelvis`, `spine`, `head`, `heading` as in `Curves`. For `hands`, `feet`, `reach`, `elbow`, `knee`,
     `foot_pitch`, `foot_yaw`, `hang`, `shrug`: the left side's value, the right side mirrors it; with a "left_" or
@@ -52,9 +52,9 @@ def _mirrored(name: str, value: ArrayLike) -> ArrayLike:
 
 
 def through(frames: int, poses: Sequence[tuple[float, Array]]) -> Array:
-    """Smooth movement through key poses: (F, 45) from pairs of (share of the duration, row).
+    """Interpolate key poses: (F, 45) from pairs of (share of the duration, row).
 
-    At rest at the first, the last and where a channel turns back; a row given twice in a row is held.
+    At rest at the first, the last and at extrema of a channel; a repeated row is held.
     """
     times = np.array([time for time, _ in poses])
     rows = np.stack([row for _, row in poses])
@@ -65,7 +65,7 @@ def through(frames: int, poses: Sequence[tuple[float, Array]]) -> Array:
 
 
 def perform(frames: int, poses: Sequence[tuple[float, Array]], parts: frozenset[str] = BODY) -> Curves:
-    """Curves that go through key poses; feet that change place near the ground are lifted on the way."""
+    """Curves through key poses; feet that move near the ground are lifted."""
     curves = Curves(through(frames, poses), [(0, frames)], parts)
     speed = np.sqrt((np.gradient(curves.feet[..., [0, 2]], axis=0) ** 2).sum(-1)) * FPS
     low = np.clip(2.0 - curves.feet[..., 1] / ANKLE, 0.0, 1.0)
@@ -77,7 +77,7 @@ STANDING = pose()
 
 
 def waver(frames: int, rng: Generator, hertz: tuple[float, float]) -> Array:
-    """A slow irregular wave (F,) of about unit size."""
+    """A slow irregular wave (F,) of about unit amplitude."""
     time = np.arange(frames) / FPS
     waves = [np.sin(2 * np.pi * (rng.uniform(*hertz) * time + rng.random())) for _ in range(2)]
     return np.asarray(sum(waves)) / 1.4
@@ -92,7 +92,7 @@ def repeated(frames: int, count: int, rng: Generator, *, down: float = 0.35, up:
 def down_and_up(
     step: ActionStep, manner: Manner, rng: Generator, frames: int, low: Array, *, seconds: float, stay: float = 0.2
 ) -> Curves:
-    """Into a pose and out of it, `step.count` times; named once, it is sometimes kept."""
+    """Into a pose and out of it, `step.count` times; a single pose is sometimes kept."""
     count = step.count or 1
     frames = duration(seconds * count, step, manner, rng, frames)
     if count == 1 and rng.random() < stay:

@@ -1,4 +1,4 @@
-"""Free dancing: steps and arms to a beat."""
+"""Free dancing: steps and arm movements to a beat."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def sway(c: Cue, side: float, size: float) -> Channels:
 
 
 def _loose_arms(c: Cue, size: float) -> Channels:
-    """Somewhere before or beside the body, as arms go when people dance."""
+    """A random place in front of or beside the body."""
     low = np.array([0.1, -0.45, 0.45])
     return {hand: low + c.rng.normal(0.0, 1.0, 3) * [0.2, 0.25, 0.12] * size for hand in ("lead", "off")}
 
@@ -44,7 +44,7 @@ def _groove(
 
 
 def _dancing_arms(kind: int, index: int, c: Cue, size: float) -> Channels:
-    """What the arms do on one beat, of one of several ways."""
+    """Arm positions of one beat, in one of several patterns."""
     first, second = ("lead", "off") if index % 2 else ("off", "lead")
     if kind < 2:
         return _loose_arms(c, size)
@@ -59,7 +59,7 @@ def _dancing_arms(kind: int, index: int, c: Cue, size: float) -> Channels:
 
 @keyframed("dance", group=GROUP, amplitudes=AMPLITUDES, weight=4)
 def dance(c: Cue) -> list[KeyPose]:
-    """Free dancing: the arms one way or another over a groove, perhaps with a turn at the end."""
+    """Free dancing: an arm pattern over a groove, sometimes with a turn at the end."""
     size, beat, keys = c.size(0.25), c.r(0.22, 0.42), list[KeyPose]()
     for _ in range(c.times(2, 3, 8 * beat)):
         kind = int(c.rng.integers(6))
@@ -114,7 +114,7 @@ def twist_dance(c: Cue) -> list[KeyPose]:
 
 @keyframed("robot dance", group=GROUP)
 def robot_dance(c: Cue) -> list[KeyPose]:
-    """Abrupt moves from one angular pose to the next, with stops."""
+    """Abrupt changes between angular poses, with stops."""
     keys: list[KeyPose] = []
     forearms = ((0.1, -0.5, 0.48), (0.25, 0.0, 0.45), (0.6, -0.45, 0.05), (0.5, 0.35, 0.1), (0.05, -0.5, 0.5))
     for _ in range(c.times(5, 10, 0.6)):

@@ -1,4 +1,4 @@
-"""Playing animals and things: chicken, monkey, elephant, aeroplane, teapot."""
+"""Imitation of animals and things: chicken, monkey, elephant, aeroplane, teapot."""
 
 from __future__ import annotations
 

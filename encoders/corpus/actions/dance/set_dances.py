@@ -1,4 +1,4 @@
-"""Dances with set steps: salsa, waltz, ballet, cancan."""
+"""Dances with fixed steps: salsa, waltz, ballet, cancan."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def ballet(c: Cue) -> list[KeyPose]:
 def pirouette(c: Cue) -> list[KeyPose]:
     """Wind up, then turn on one foot with the other at the knee and round arms."""
     right = {"clockwise": True, "counterclockwise": False}.get(c.step.direction, c.chance(0.5))
-    way = 1.0 if right == (c.lead == "right") else -1.0  # clockwise seen from above turns to the right
+    way = 1.0 if right == (c.lead == "right") else -1.0  # clockwise from above is to the right
     full = way * 2 * np.pi * c.times(1, 2)
     retire: Channels = {
         "lead_foot": (-0.1, 0.42, 0.05),

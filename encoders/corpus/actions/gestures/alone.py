@@ -1,4 +1,4 @@
-"""Arm, head and hand movements by oneself: raise, cross, fold, touch, nod, look."""
+"""Gestures without an addressee: raise, cross, fold, touch, nod, look."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ HEAD_ONLY = frozenset({"head"})
 
 
 def _ending(c: Cue, seconds: float = 0.6, stays: float = 0.2) -> list[KeyPose]:
-    """Usually back to rest; sometimes the performance ends in the pose."""
+    """Usually back to rest; sometimes the clip ends in the pose."""
     return [key(0.1, 0.2)] if c.chance(stays) else [back(c.r(0.8, 1.3) * seconds)]
 
 
@@ -106,7 +106,7 @@ def hands_on_head(c: Cue) -> list[KeyPose]:
 def _rub(
     c: Cue, spot: tuple[float, float, float], move: tuple[float, float, float], low: int, high: int
 ) -> list[KeyPose]:
-    """The hand goes to a spot of the body and moves there to and fro."""
+    """The hand moves to a place on the body and rubs it to and fro."""
     there = c.about(spot, 0.03)
     shift = c.about(move, 0.01) * c.size()
     keys = [key(c.r(0.5, 0.9), 0.1, hand=there, elbow=c.r(0.0, 0.5))]

@@ -1,4 +1,4 @@
-"""Gestures that direct or tell somebody: beckon, point, show the way, refuse, call, explain."""
+"""Directing and explaining gestures: beckon, point, show the way, refuse, call, explain."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def beckon(c: Cue) -> list[KeyPose]:
 
 
 def _aim(c: Cue) -> tuple[Array, tuple[float, float, float]]:
-    """Where an arm held out points, for its own shoulder, and where the head looks meanwhile."""
+    """Wrist of a pointing arm, relative to its shoulder, and the gaze of the head."""
     direction = c.step.direction
     if not direction:
         direction = ("forward", "aside", "up", "down")[int(c.rng.choice(4, p=[0.5, 0.35, 0.1, 0.05]))]
@@ -75,7 +75,7 @@ def point(c: Cue) -> list[KeyPose]:
 
 
 def _toward_the_way(c: Cue) -> float:
-    """The way that is shown: radians from straight ahead to the leading side."""
+    """The direction shown: radians from straight ahead towards the leading side."""
     if c.step.direction == "forward":
         return c.r(-0.15, 0.85)
     if c.toward:
@@ -84,13 +84,13 @@ def _toward_the_way(c: Cue) -> float:
 
 
 def _open_hand(angle: float, up: float, length: float) -> Array:
-    """A hand held out that way and so high, in arm lengths."""
+    """Wrist of an arm held out at an angle and height, in arm lengths."""
     flat = np.sqrt(max(length**2 - up**2, 0.2))
     return np.array([flat * np.sin(angle), up, flat * np.cos(angle)])
 
 
 def _before_the_way(c: Cue, angle: float, up: float) -> list[KeyPose]:
-    """How the hand gets there: past the chest, in a sweep from the front, from across the belly, or straight."""
+    """The hand's approach: past the chest, in a sweep from the front, from across the belly, or straight."""
     kind = c.rng.random()
     if kind < 0.4:
         return [key(c.r(0.3, 0.6), c.r(0.0, 0.2), lead=c.about((-0.2, c.r(-0.5, -0.2), 0.42), 0.06))]
@@ -103,7 +103,7 @@ def _before_the_way(c: Cue, angle: float, up: float) -> list[KeyPose]:
 
 
 def _off_hand(c: Cue, angle: float, up: float) -> dict[str, ArrayLike]:
-    """The other hand: hanging, behind the back, before the belly, on the hip, or held out along with the first."""
+    """The other hand: hanging, behind the back, in front of the belly, on the hip, or parallel to the first."""
     kind = c.rng.random()
     if kind < 0.6:
         return {}
@@ -123,7 +123,7 @@ def guide(c: Cue) -> list[KeyPose]:
     place = _open_hand(angle, up, length)
     bow, gaze = max(0.0, c.r(-0.2, 0.4)), float(np.clip(angle, -1, 1)) * c.r(0.0, 0.9)
     trunk: dict[str, ArrayLike] = {"spine": (bow, 0, gaze * c.r(0, 0.5)), "head": (bow * c.r(-0.3, 0.5), 0, gaze)}
-    if c.chance(0.5):  # turns to the way, or steps aside for it
+    if c.chance(0.5):  # turns to the direction, or steps aside
         trunk["pelvis"] = (bow * 0.4, 0, c.r(0.2, 0.7) * gaze)
     if c.chance(0.2):
         trunk |= {"lead_foot": (0.12, 0.0, -0.18), "root": (0.04, -0.01, -0.08)}
@@ -131,17 +131,17 @@ def guide(c: Cue) -> list[KeyPose]:
         trunk |= {"lead_foot": (0.05, 0.0, 0.25), "root": (0.03, -0.02, 0.12)}
     trunk |= _off_hand(c, angle, up)
     elbow, keys = c.r(-0.4, 0.3), _before_the_way(c, angle, up)
-    if keys and c.chance(0.5):  # winds up the other way
+    if keys and c.chance(0.5):  # starts with a movement to the other side
         keys[0].channels["spine"] = np.array([0.0, 0.0, -c.r(0.1, 0.5)])
     keys += [key(c.r(0.3, 0.9), c.r(0.5, 3.0), lead=place, lead_elbow=elbow, **trunk)]
     kind = c.rng.random()
-    if kind < 0.3:  # again, as one repeats an invitation
+    if kind < 0.3:  # repeated, as an invitation
         for _ in range(int(c.rng.integers(1, 4))):
             near = place * c.r(0.7, 0.9) if c.chance(0.7) else c.about((0.0, -0.7, 0.2), 0.1)
             keys += [key(c.r(0.2, 0.45), lead=near), key(c.r(0.3, 0.5), c.r(0.1, 0.8), lead=place)]
     elif kind < 0.4:  # from the chest once more
         keys += [key(0.5, lead=(-0.2, -0.35, 0.42)), key(0.5, c.r(0.4, 1.2), lead=place)]
-    elif kind < 0.5 and not c.toward:  # the other way too
+    elif kind < 0.5 and not c.toward:  # to the other side, too
         other = _open_hand(-0.7, up, min(length, 0.8))
         keys += [key(0.7, c.r(0.4, 1.0), lead=other, head=(0.0, 0.0, -0.5))]
     return [*keys, back(c.r(0.5, 1.0))] if c.chance(0.78) else keys

@@ -1,4 +1,4 @@
-"""What a body does when it laughs, cries, shivers or sneezes."""
+"""Expressions of feelings and reflexes: laugh, cry, shiver, sneeze."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Gestures of greeting and feeling towards others: salute, clap, hug, cheer."""
+"""Greetings and other gestures towards people: salute, clap, hug, cheer."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def blow_kiss(c: Cue) -> list[KeyPose]:
 
 @keyframed("raise hand", group=GROUP, parts=ONE_ARM, sides=HANDS, heights=("middle", "high"), counts=(1, 3), weight=2)
 def raise_hand(c: Cue) -> list[KeyPose]:
-    """Answer or greet with a raised hand: at the shoulder with a bent elbow, or stretched up."""
+    """A raised hand, as to greet or to ask: at the shoulder with a bent elbow, or stretched up."""
     high = c.step.height == "high" or (not c.step.height and c.chance(0.5))
     place = c.about((0.1, c.r(0.8, 0.95), 0.15) if high else (c.r(0.05, 0.3), c.r(0.1, 0.4), 0.4), 0.05)
     keys: list[KeyPose] = []
@@ -82,7 +82,7 @@ def raise_hand(c: Cue) -> list[KeyPose]:
 def _held(
     name: str, place: tuple[float, float, float], elbow: float = 0.0, most: int = 3, spread: float = 0.05
 ) -> None:
-    """A gesture whose whole point is one arm pose, held."""
+    """Register a gesture that consists of one held arm pose."""
 
     @keyframed(name, group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(1, most))
     def held(c: Cue) -> list[KeyPose]:
@@ -102,7 +102,7 @@ _held("raise fist", (0.1, 0.8, 0.2))
 
 @keyframed("cheer", group=GROUP, parts=UPPER, sides=HANDS, amplitudes=AMPLITUDES, counts=(1, 6), weight=2)
 def cheer(c: Cue) -> list[KeyPose]:
-    """Fists thrown up again and again, with a spring of the knees."""
+    """Fists thrown up repeatedly, with springing knees."""
     size, beat = c.size(0.2), c.r(0.22, 0.35)
     top = c.about((c.r(0.05, 0.4), 0.9, 0.15), 0.04)
     down = top + np.array([0.05, -0.45 * size, 0.15])
@@ -120,7 +120,7 @@ def surrender(c: Cue) -> list[KeyPose]:
 
 @keyframed("welcome", group=GROUP, parts=ARMS)
 def welcome(c: Cue) -> list[KeyPose]:
-    """Arms opened wide to somebody."""
+    """Arms opened wide."""
     wide = c.about((c.r(0.5, 0.8), c.r(-0.35, 0.05), c.r(0.35, 0.6)), 0.05)
     return [
         key(0.45, hands=(-0.15, -0.4, 0.42)),

@@ -1,4 +1,4 @@
-"""Waving: from a flutter of the hand before the belly to great swings overhead, with one hand or two."""
+"""Waving: from small wrist movements at the belly to wide swings overhead, one-handed or two-handed."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from encoders.corpus.engine.keyframed_actions import HANDS, ONE_ARM, Cue, keyfra
 from encoders.corpus.engine.keyframes import KeyPose, back, key
 from encoders.corpus.engine.program import AMPLITUDES
 
-#: How people wave: (name, share). The forearm swings, the wrist alone, the whole arm, or the palm claps up and down.
+#: Kinds of waves (name, share): the forearm swings, the wrist alone, the whole arm, or the palm flaps up and down.
 _WAYS = (("forearm", 0.42), ("wrist", 0.2), ("arm", 0.2), ("flap", 0.18))
 #: Height of the hand over its shoulder, arm lengths, and share: belly, chest, face, overhead.
 _LEVELS = (((-0.6, -0.35), 0.14), ((-0.35, 0.0), 0.32), ((0.0, 0.4), 0.3), ((0.45, 0.95), 0.24))
-#: Where a hand that does not wave is kept: on the hip, behind the back, in a pocket, before the belly, on the thigh.
+#: Places of the hand that does not wave: on the hip, behind the back, in a pocket, at the belly, on the thigh.
 _IDLE = ((0.3, -0.6, 0.02), (-0.15, -0.7, -0.25), (0.08, -0.82, 0.12), (-0.3, -0.62, 0.32), (0.02, -0.92, 0.15))
 
 
 @dataclass(frozen=True)
 class _Swing:
-    """A hand's swing about a place: half of it, how far its ends sag, and the time from end to end."""
+    """A hand's swing about a place: half its extent, the sag at its ends, and the seconds from end to end."""
 
     centre: Array
     half: Array
@@ -62,23 +62,23 @@ def _swing(c: Cue) -> _Swing:
 
 
 def _second_hand(c: Cue, swing: _Swing) -> _Swing:
-    """The other of two waving hands: alike, the other way, in turn, or crossing before the face."""
+    """The second of two waving hands: parallel, mirrored, alternating, or crossing in front of the face."""
     kind = c.rng.random()
     if kind < 0.5:
         return swing
-    if kind < 0.75:  # both to the same side at once
+    if kind < 0.75:  # both to the same side
         return _Swing(swing.centre, -swing.half * [1.0, -1.0, -1.0], swing.sag, swing.beat)
     return _Swing(swing.centre, -swing.half, swing.sag, swing.beat)
 
 
 def _crossing(c: Cue, swing: _Swing) -> _Swing:
-    """Hands that cross in the middle, overhead or before the face."""
+    """Hands that cross in the middle, overhead or in front of the face."""
     wide = max(abs(float(swing.half[0])), 0.15)
     return _Swing(swing.centre * [0, 1, 1] - [0.12, 0.0, 0.0], wide * np.array([1.4, 0.0, 0.0]), 0.2 * wide, 0.3)
 
 
 def _body(c: Cue) -> tuple[dict[str, ArrayLike], dict[str, ArrayLike]]:
-    """What the rest of the body does at either end of a swing: nothing, it sways, springs or hops along."""
+    """The body at either end of a swing: still, swaying, springing or hopping."""
     kind, size = c.rng.random(), c.r(0.3, 1.0)
     if kind < 0.55:
         held = c.r(-0.15, 0.08) * c.chance(0.4)
@@ -106,7 +106,7 @@ def _body(c: Cue) -> tuple[dict[str, ArrayLike], dict[str, ArrayLike]]:
     weight=5,
 )
 def wave(c: Cue) -> list[KeyPose]:
-    """Raise the hand, swing it, let it sink; the other hand is kept somewhere, the body goes along more or less."""
+    """Raise the hand, swing it, lower it; the other hand rests somewhere, the body moves along more or less."""
     swing = _swing(c)
     if c.both and c.chance(0.2):
         swing = _crossing(c, swing)
@@ -124,7 +124,7 @@ def wave(c: Cue) -> list[KeyPose]:
     here, there = _body(c)
     head = (c.r(-0.12, 0.12), c.r(-0.15, 0.15), c.r(-0.1, 0.1))
     keys = [key(0.0, **idle)] if idle else []
-    if c.chance(0.07):  # a step on the way
+    if c.chance(0.07):  # a step in between
         way = c.r(0.15, 0.35) * (1.0 if c.chance(0.7) else -1.0)
         keys += [key(0.4, lead_foot=(0, 0, way), root=(0, -0.01, 0.5 * way)), key(0.4, off_foot=(0, 0, way))]
         here, there = {"root": (0.0, 0.0, way)}, {"root": (0.0, 0.0, way)}
@@ -133,7 +133,7 @@ def wave(c: Cue) -> list[KeyPose]:
     ]
     for _ in range(c.times(2, 8 if c.chance(0.3) else 5, 2 * swing.beat)):
         keys += [key(swing.beat, **pose(-1.0), **here), key(swing.beat, **pose(1.0), **there)]
-    if not c.frames and c.chance(0.15):  # cut while the hand is up
+    if not c.frames and c.chance(0.15):  # the clip ends while the hand is up
         return keys
     last = back(c.r(0.4, 0.9))
     return [*keys, KeyPose(last.seconds, c.r(0.0, 0.3), {**last.channels, **idle})]

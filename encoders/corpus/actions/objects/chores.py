@@ -14,7 +14,7 @@ GROUP = "object"
 
 
 def _pole(across: float, low: float, ahead: float) -> dict[str, Array]:
-    """Both hands along a long handle: the leading one below, the other above and nearer."""
+    """Both hands on a long handle: the leading one below, the other above and nearer."""
     return {
         "lead": np.array([across - 0.3, low, ahead]),
         "off": np.array([-0.5 * across - 0.34, low + 0.38, max(ahead - 0.2, 0.28)]),
@@ -221,7 +221,7 @@ def fish(c: Cue) -> list[KeyPose]:
 
 @keyframed("swat", group=GROUP, parts=UPPER, sides=HANDS, counts=(1, 6))
 def swat(c: Cue) -> list[KeyPose]:
-    """Strike at flies here and there around the head."""
+    """Strike at flies around the head."""
     keys: list[KeyPose] = []
     for _ in range(c.times(2, 5, 0.6)):
         start = c.about((c.r(-0.3, 0.4), c.r(0.0, 0.5), 0.5), 0.05)

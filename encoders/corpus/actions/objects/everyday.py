@@ -24,7 +24,7 @@ def to_and_fro(
     high: int,
     **others: ArrayLike,
 ) -> list[KeyPose]:
-    """Go to a place and move there to and fro by plus and minus `stroke`; `others` belong to the first pose."""
+    """Move a channel to a place and to and fro by plus and minus `stroke`; `others` are channels of the first pose."""
     place, half = np.asarray(place, np.float64), np.asarray(stroke, np.float64)
     keys = [key(c.r(0.5, 0.8), **{channel: place}, **others)]
     for _ in range(c.times(low, high, 2 * beat)):
@@ -103,7 +103,7 @@ def _rubbed(
     elbow: float = 0.3,
     nod: float = 0.0,
 ) -> None:
-    """Rub or brush a place of the own body with one hand or both."""
+    """Rub or brush a place on the body with one hand or both."""
 
     @keyframed(name, group=GROUP, parts=ONE_ARM, sides=HANDS, counts=(2, 8), precise=True)
     def rubbed(c: Cue) -> list[KeyPose]:
@@ -194,7 +194,7 @@ def take_off_hat(c: Cue) -> list[KeyPose]:
 
 @keyframed("put on jacket", group=GROUP, parts=UPPER, sides=SIDED)
 def put_on_jacket(c: Cue) -> list[KeyPose]:
-    """One arm into its sleeve, then the other, then settle it in front."""
+    """One arm into its sleeve, then the other, then close it in front."""
     return [
         key(0.6, hands=(-0.2, -0.2, 0.5)),
         key(0.5, lead=(0.45, -0.55, -0.35), off=(-0.6, -0.05, 0.3), spine=(0.05, 0.1, 0.35)),

@@ -1,4 +1,4 @@
-"""Handling things that are not there: pick up, put down, carry, push, pull, reach."""
+"""Handling of imaginary objects: pick up, put down, carry, push, pull, reach."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ HELD = (-0.22, -0.42, 0.45)  #: both hands on a box before the belly
 
 
 def _down(c: Cue) -> dict[str, ArrayLike]:
-    """The body on its way to the floor: bent, squatting, or on a knee."""
+    """The body when reaching to the floor: bent, squatting, or on a knee."""
     kind = c.rng.random()
     if kind < 0.45:
         return {
@@ -81,7 +81,7 @@ def put_down(c: Cue) -> list[KeyPose]:
 
 @keyframed("move object", group=GROUP, sides=HANDS, directions=SIDED, heights=HEIGHTS, counts=(1, 3), weight=2)
 def move_object(c: Cue) -> list[KeyPose]:
-    """Take something on one side and set it down on the other; the direction is where it ends."""
+    """Take something on one side and put it down on the other; the direction is that of the target."""
     way = c.toward or 1.0
     two = c.both or not c.step.side
     up = {"low": -0.6, "middle": -0.4, "high": 0.1}.get(c.step.height, -0.4)
@@ -130,7 +130,7 @@ def lift(c: Cue) -> list[KeyPose]:
 
 
 def _held(name: str, places: dict[str, ArrayLike], sides: tuple[str, ...] = (), weight: float = 1.0) -> None:
-    """Hold something in a way that goes with standing or walking."""
+    """Hold something, compatible with standing or walking."""
     parts = ONE_ARM if sides else ARMS
 
     @keyframed(name, group=GROUP, parts=parts, sides=sides, weight=weight)

@@ -1,4 +1,4 @@
-"""Playing instruments."""
+"""Musical instruments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ball games, rackets and clubs, strokes in water."""
+"""Ball games: throwing, catching, kicking, bowling, volleyball."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fighting: punches, kicks, blocks, blades, guns, bows."""
+"""Combat: punches, kicks, blocks, blades, guns, bows."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def _stance(c: Cue) -> dict[str, ArrayLike]:
 
 
 def _blow(c: Cue, hand: str, through: list[tuple[float, ArrayLike]], guard: Channels, reach: float) -> list[KeyPose]:
-    """One strike: through places with their times, the body turning into it, and back on guard."""
+    """One strike: key places with their times, the trunk turning into it, and back on guard."""
     toward = -reach if hand == "lead" else reach
     keys = []
     for index, (seconds, place) in enumerate(through):
@@ -44,7 +44,7 @@ def _blow(c: Cue, hand: str, through: list[tuple[float, ArrayLike]], guard: Chan
 
 
 def _round(c: Cue, kinds: tuple[str, ...]) -> list[KeyPose]:
-    """Punches of these kinds by the named hand, or by both in turn, from a guard or from hanging arms."""
+    """Punches of these kinds by the step's hand, or by both in turn, from a guard or from hanging arms."""
     guard = _guard(c)
     on_guard = c.chance(0.75)
     keys = [key(c.r(0.4, 0.7), c.r(0.0, 0.4), **guard, **_stance(c))] if on_guard else []
@@ -130,7 +130,7 @@ def block(c: Cue) -> list[KeyPose]:
 
 
 def _poise(c: Cue) -> dict[str, ArrayLike]:
-    """Where the arms are while a leg kicks: on guard, or out for balance, or loose."""
+    """Arms during a kick: on guard, out for balance, or loose."""
     kind = c.rng.random()
     if kind < 0.4:
         return _guard(c)
@@ -140,7 +140,7 @@ def _poise(c: Cue) -> dict[str, ArrayLike]:
 
 
 def _kicked(c: Cue, chamber: Channels, strike: Channels, ready: bool) -> list[KeyPose]:
-    """Kicks: weight over, knee up, strike, knee back, foot down; again as often as told."""
+    """Kicks: weight over, knee up, strike, knee back, foot down; `count` times."""
     loose = {"lead": (0.2, -0.9, 0.0), "off": (0.2, -0.9, 0.1)}
     keys = [key(c.r(0.4, 0.6), c.r(0.0, 0.3), **_guard(c))] if ready else []
     for _ in range(c.times(1, 2)):

@@ -1,4 +1,4 @@
-"""Martial forms, weights, and sports on boards and skis."""
+"""Martial arts forms, weights, and sports on boards and skis."""
 
 from __future__ import annotations
 

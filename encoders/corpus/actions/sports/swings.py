@@ -1,4 +1,4 @@
-"""Swings of club, bat and racket, strokes of swimmers and rowers."""
+"""Swings of clubs, bats and rackets; strokes of swimmers and rowers."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def _club(
 
 @keyframed("golf swing", group=GROUP, sides=SIDED, counts=(1, 3), weight=1.5)
 def golf_swing(c: Cue) -> list[KeyPose]:
-    """The leading side is the one the club is wound up to."""
+    """The leading side is the side of the backswing."""
     top = (c.r(0.55, 0.75), c.r(0.35, 0.55), 0.2)
     finish = (-c.r(0.55, 0.75), c.r(0.35, 0.6), 0.1)
     return _club(c, (0.0, -0.72, 0.5), top, finish, c.r(0.6, 0.9), c.r(0.25, 0.45), c.r(0.18, 0.27))
