@@ -23,7 +23,7 @@ from encoders.tmr.model.normaliser import Normaliser
 from encoders.tmr.text.language_model import LanguageModel
 from encoders.tmr.training.dataset import unrelated_sentences
 from encoders.tmr.training.recipe import Recipe
-from search.ranking.calibration import calibrate
+from search.ranking.strength_calibration import calibrate
 
 #: Synthetic clips of the background, those queried for, and out-of-domain sentences.
 _BACKGROUND, _QUERIED, _OUT_OF_DOMAIN = 1500, 800, 400

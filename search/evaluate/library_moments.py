@@ -22,7 +22,7 @@ class TakeGallery:
     """Takes whose windows lie in one index, as in a library; a take's id is its place."""
 
     def __init__(self, encoder: Encoder) -> None:
-        self._bundle = encoder
+        self._encoder = encoder
         self._takes: list[AnnotatedTake] = []
         self._sources: list[MotionSource] = []
         self._queries: list[tuple[int, Annotation, Vectors]] = []
@@ -48,7 +48,7 @@ class TakeGallery:
 
     def _rows(self) -> Iterator[Rows]:
         for number, source in enumerate(self._sources):
-            for windows in source.windows(self._bundle):
+            for windows in source.windows(self._encoder):
                 spans = np.stack([windows.starts, windows.ends], axis=1)
                 yield Rows(np.full(len(spans), number, np.int64), spans, windows.vectors)
 
@@ -62,7 +62,7 @@ class TakeGallery:
         """
         any_take, own_take = Overlaps(), Overlaps()
         for own, annotation, query in self._queries:
-            found = best_moments(self._bundle, self, self._sources.__getitem__, EncodedQuestion(query[None]), k)
+            found = best_moments(self._encoder, self, self._sources.__getitem__, EncodedQuestion(query[None]), k)
             overlaps = np.array(
                 [
                     best_overlaps([(moment.start, moment.end)], self._truth(number, own, annotation))[0]

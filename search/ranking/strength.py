@@ -83,33 +83,3 @@ def judge(encoder: Encoder, question: EncodedQuestion, scores: ArrayLike) -> lis
 def is_out_of_vocabulary(sentence: str, words: Words) -> bool:
     """Whether half of a sentence or more is not among the sorted words (W,) in which motion is described."""
     return out_of_vocabulary_share(sentence, words) >= _DOWNGRADED_FROM
-
-
-def fit(statistics: ArrayLike, right: ArrayLike, *, rounds: int = 50, penalty: float = 1e-3) -> NDArray[np.float64]:
-    """Coefficients (3,) of the logistic curve by Newton's method with a small ridge.
-
-    Parameters
-    ----------
-    statistics : array (N, 2)
-        See `score_statistics`.
-    right : bool array (N,)
-
-    Raises
-    ------
-    ValueError
-        If all hits are right, or all wrong.
-    """
-    x = np.column_stack([np.ones(len(np.asarray(statistics))), np.asarray(statistics, np.float64)])
-    y = np.asarray(right, np.float64)
-    if y.min() == y.max():
-        raise ValueError("both right and wrong hits are needed")
-    w = np.zeros(x.shape[1])
-    ridge = penalty * len(y) * np.diag([0.0, 1.0, 1.0])
-    for _ in range(rounds):
-        p = 1 / (1 + np.exp(-np.clip(x @ w, -30, 30)))
-        hessian = (x * (p * (1 - p))[:, None]).T @ x + ridge
-        step = np.linalg.solve(hessian + 1e-9 * np.eye(len(w)), x.T @ (y - p) - ridge @ w)
-        w = w + step
-        if np.abs(step).max() < 1e-8:
-            break
-    return w

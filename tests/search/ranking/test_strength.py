@@ -69,11 +69,3 @@ def test_hits_of_a_sentence_that_is_mostly_out_of_vocabulary_are_downgraded(
     assert judge(bundle, query, scores, sentence) == judged
     assert judge(bundle, query, scores, "a person walks", sentence) == judged, "one of several is enough"
     assert judge(bundle, query, scores) == ["strong", "plausible", "weak"], "a vector has no words"
-
-
-def test_the_fit_recovers_a_known_curve() -> None:
-    rng = np.random.default_rng(1)
-    x = rng.normal(size=(20_000, 2))
-    truth = np.array([-0.5, 1.5, 0.7])
-    right = rng.random(len(x)) < strength.probability(x, truth)
-    assert strength.fit(x, right, penalty=0) == pytest.approx(truth, abs=0.1)

@@ -1,4 +1,4 @@
-"""Calibration: hits a model gets right come out strong, and sentences about nothing weak."""
+"""Strength calibration: right hits come out strong, and out-of-domain ones weak."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import pytest
 from encoders.corpus.composition.synthetic_pairs import SyntheticClip
 from encoders.corpus.scene import ActionStep, Scene
 from search.query.question import EncodedQuestion
-from search.ranking.calibration import calibrate
-from search.ranking.strength import judge
+from search.ranking.strength import judge, probability
+from search.ranking.strength_calibration import calibrate, fit_logistic
 from tests.search.answers import SENTENCES, KnownAnswers
 
 
@@ -60,3 +60,11 @@ def test_a_motion_is_judged_by_other_motions_never_by_itself(calibration: dict[s
     motion, alike, other = bundle.encode_features([clip(1, 99).features, clip(1, 98).features, clip(2, 97).features])
     scores = [float(motion @ alike), float(motion @ other)]
     assert judge(bundle, EncodedQuestion(motion[None], kind="motion"), scores) == ["strong", "weak"]
+
+
+def test_the_fit_recovers_a_known_curve() -> None:
+    rng = np.random.default_rng(1)
+    x = rng.normal(size=(20_000, 2))
+    truth = np.array([-0.5, 1.5, 0.7])
+    right = rng.random(len(x)) < probability(x, truth)
+    assert fit_logistic(x, right, penalty=0) == pytest.approx(truth, abs=0.1)

@@ -1,0 +1,135 @@
+"""Strength calibration: the background motions, the vocabulary and the two logistic curves of a bundle.
+
+The bundle carries them as `calibration.npz`; `search.ranking.strength` judges hits by them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from encoders.corpus.composition.captioned_motion import CaptionedTake
+from encoders.corpus.composition.synthetic_pairs import SyntheticClip, relevance
+from encoders.protocol import Encoder
+from search.query.encoding import encode_queries
+from search.query.known_words import lexicon
+from search.query.vocabulary import vocabulary
+from search.ranking.strength import is_out_of_vocabulary, score_statistics
+
+_HITS = 10
+
+#: `score_statistics` (N, 2) of hits, and whether each is right (N,).
+Judged = tuple[NDArray[np.float64], NDArray[np.bool_]]
+
+
+def calibrate(
+    encoder: Encoder,
+    background: Sequence[SyntheticClip],
+    gallery: Sequence[SyntheticClip],
+    out_of_domain: Sequence[str],
+    takes: Sequence[CaptionedTake] = (),
+) -> dict[str, NDArray[np.generic]]:
+    """The arrays of `calibration.npz`.
+
+    Parameters
+    ----------
+    background : synthetic clips whose vectors stand for unrelated motion
+    gallery : other synthetic clips: their captions and their motions are queries to their motions
+    out_of_domain : sentences that no motion fits
+    takes : real takes of the validation split, whose descriptions and captions are queries too; together they weigh as
+        much as the synthetic clips
+
+    Returns
+    -------
+    dict
+        "motions" float16 (M, D); "words" str (W,), sorted, of the clips' captions and the shipped vocabulary;
+        "sentence_coefficients" and "motion_coefficients" float64 (3,). Out-of-vocabulary sentences are left out of the
+        fit, since their hits are downgraded anyway.
+    """
+    words = lexicon([*vocabulary(), *(caption for clip in (*background, *gallery) for caption in clip.captions)])
+    motions = _encode_clips(encoder, background).astype(np.float16)
+    vectors = _encode_clips(encoder, gallery)
+    captions = [clip.captions[0] for clip in gallery]
+    known = [sentence for sentence in out_of_domain if not is_out_of_vocabulary(sentence, words)]
+    queries = np.concatenate([encode_queries(encoder, sentences) for sentences in (captions, known) if sentences])
+    right = np.concatenate([relevance(gallery), np.zeros((len(known), len(vectors)), bool)])
+    statistics, truth = _top_hits(queries, vectors, right, motions)
+    if takes:
+        real_statistics, real_truth = _top_real_hits(encoder, takes, motions)
+        copies = max(1, len(truth) // len(real_truth))
+        statistics = np.concatenate([statistics, *[real_statistics] * copies])
+        truth = np.concatenate([truth, *[real_truth] * copies])
+    actions = [frozenset(step.action for group in clip.scene.steps for step in group) for clip in gallery]
+    same_actions = np.array([[a == b for b in actions] for a in actions])
+    return {
+        "motions": motions,
+        "words": words,
+        "sentence_coefficients": fit_logistic(statistics, truth),
+        "motion_coefficients": fit_logistic(*_top_hits(vectors, vectors, same_actions, motions, skip_self=True)),
+    }
+
+
+def fit_logistic(
+    statistics: ArrayLike, right: ArrayLike, *, iterations: int = 50, penalty: float = 1e-3
+) -> NDArray[np.float64]:
+    """Coefficients (3,) of a logistic curve by Newton's method with a small ridge penalty.
+
+    Parameters
+    ----------
+    statistics : array (N, 2)
+        See `score_statistics`.
+    right : bool array (N,)
+
+    Raises
+    ------
+    ValueError
+        If all hits are right, or all wrong.
+    """
+    x = np.column_stack([np.ones(len(np.asarray(statistics))), np.asarray(statistics, np.float64)])
+    y = np.asarray(right, np.float64)
+    if y.min() == y.max():
+        raise ValueError("both right and wrong hits are needed")
+    w = np.zeros(x.shape[1])
+    ridge = penalty * len(y) * np.diag([0.0, 1.0, 1.0])
+    for _ in range(iterations):
+        p = 1 / (1 + np.exp(-np.clip(x @ w, -30, 30)))
+        hessian = (x * (p * (1 - p))[:, None]).T @ x + ridge
+        step = np.linalg.solve(hessian + 1e-9 * np.eye(len(w)), x.T @ (y - p) - ridge @ w)
+        w = w + step
+        if np.abs(step).max() < 1e-8:
+            break
+    return w
+
+
+def _encode_clips(encoder: Encoder, clips: Sequence[SyntheticClip]) -> NDArray[np.float32]:
+    return encoder.encode_features([clip.features[: encoder.max_frames] for clip in clips])
+
+
+def _top_real_hits(encoder: Encoder, takes: Sequence[CaptionedTake], background: NDArray[np.float16]) -> Judged:
+    """The first hits of the captions and descriptions of real takes; takes of the same description are right."""
+    sentences = [(text, t.description) for t in takes for s in t.spans for text in (t.description, *s.captions)]
+    sentences = list(dict.fromkeys(sentences))
+    gallery = encoder.encode_motions([take.motion for take in takes])
+    descriptions = np.array([take.description for take in takes])
+    right = np.array([descriptions == description for _, description in sentences])
+    return _top_hits(encode_queries(encoder, [text for text, _ in sentences]), gallery, right, background)
+
+
+def _top_hits(
+    queries: NDArray[np.float32],
+    gallery: NDArray[np.float32],
+    right: NDArray[np.bool_],
+    background: NDArray[np.float16],
+    *,
+    skip_self: bool = False,
+) -> Judged:
+    """The first hits of every query (Q, D) in a gallery (N, D), of which `right` (Q, N) are right."""
+    similarity = queries @ gallery.T
+    if skip_self:
+        np.fill_diagonal(similarity, -np.inf)
+    best = np.argsort(-similarity, axis=1)[:, : min(_HITS, len(gallery) - skip_self)]
+    scores = np.take_along_axis(similarity, best, axis=1)
+    statistics = [score_statistics(q, s, background) for q, s in zip(queries, scores, strict=True)]
+    return np.concatenate(statistics), np.take_along_axis(right, best, axis=1).ravel()
