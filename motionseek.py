@@ -5,69 +5,82 @@ motionseek.index("my_mocap")
 library = motionseek.open("my_mocap")
 for hit in library.search("a person limps to the left", k=5):
     print(hit.score, hit.strength, hit.path, hit.start, hit.end)
+
+A library can also be made from arrays, without files:
+
+library = motionseek.open("my_library", create=True)
+library.add("walk", joints, captions=["a person walks"], fps=30)
 """
 
-from __future__ import annotations
+import importlib.metadata
 
-from os import PathLike
+import motionseek_main
 
-from motionseek_main import hidden_package as _hidden_package
-
-if _hidden := _hidden_package():
-    raise ImportError(_hidden)
+if motionseek_main.hidden_package():
+    raise ImportError(motionseek_main.hidden_package())
 
 from encoders.bundle.bundle import Bundle
 from encoders.errors import (
+    ArgumentError,
     BundleError,
     BundleMismatch,
+    LibraryDamaged,
     LibraryError,
+    LibraryLocked,
+    LibraryNotFound,
+    MissingProgram,
     MotionSeekError,
     QueryError,
+    UnknownClip,
     UnknownRig,
     UnreadableMotion,
 )
 from encoders.motion import Motion
+from encoders.protocol import Encoder
+from indexer.ingest.arrays import NewClip
 from indexer.ingest.indexing import Summary, index
 from indexer.ingest.load import load_motion as load
-from search.hits import Hit, Step
-from search.library import Library as Library
+from indexer.store.clips import Caption, Clip
+from search.hits import Hit, Hits, Step
+from search.library import Library
+from search.moments.segments import Segment
+from search.standalone import describe, moments, segment
 
+__version__ = importlib.metadata.version("motionseek")
+del importlib, motionseek_main
 
-def open(folder: str | PathLike[str], *, bundle: Bundle | None = None) -> Library:
-    """Open the library of an indexed folder.
-
-    Parameters
-    ----------
-    folder : path
-        The indexed folder, or the library folder itself.
-    bundle : Bundle, optional
-        The model, where it is not the default one.
-
-    Raises
-    ------
-    LibraryError
-        If there is no library, or it cannot be read.
-    BundleMismatch
-        If the library was made with another model.
-    """
-    return Library.open(folder, bundle=bundle)
-
+open = Library.open
 
 __all__ = [
+    "ArgumentError",
     "Bundle",
     "BundleError",
     "BundleMismatch",
+    "Caption",
+    "Clip",
+    "Encoder",
     "Hit",
+    "Hits",
     "Library",
+    "LibraryDamaged",
     "LibraryError",
+    "LibraryLocked",
+    "LibraryNotFound",
+    "MissingProgram",
     "Motion",
     "MotionSeekError",
+    "NewClip",
     "QueryError",
+    "Segment",
     "Step",
     "Summary",
+    "UnknownClip",
     "UnknownRig",
     "UnreadableMotion",
+    "describe",
     "index",
     "load",
+    "moments",
     "open",
+    "segment",
 ]

@@ -28,7 +28,7 @@ def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0
     """Write a library of `count` clips that resemble those of another one, in the library's own format."""
     rng = np.random.default_rng(seed)
     with StoredLibrary.open(around) as real:
-        clips = [(clip, real.windows(clip.id)) for clip in real.clips(real.ids().tolist()).values()]
+        clips = [(clip, real.windows(clip.id)) for clip in real.clips_by_id(real.ids().tolist()).values()]
         rows = real._galleries.current(CLIPS, real.connection).rows
         whole = dict(zip(rows.owners.tolist(), rows.vectors, strict=True))
         model = real._model()

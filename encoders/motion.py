@@ -14,9 +14,9 @@ from encoders.skeleton import JOINTS, MIRROR
 FPS = 20.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Motion:
-    """A motion on the 22-joint skeleton.
+    """A motion on the 22-joint skeleton. Motions of the same joints and frame rate are equal.
 
     Attributes
     ----------
@@ -43,6 +43,17 @@ class Motion:
 
     def __len__(self) -> int:
         return len(self.joints)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Motion):
+            return NotImplemented
+        return self.fps == other.fps and np.array_equal(self.joints, other.joints)
+
+    def __hash__(self) -> int:
+        return hash((self.fps, len(self), float(self.joints[0].sum())))  # not of the bytes: 0.0 and -0.0 are equal
+
+    def __repr__(self) -> str:
+        return f"Motion({len(self)} frames, {self.duration:.1f} s at {self.fps:g} fps)"
 
     @property
     def duration(self) -> float:

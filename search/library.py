@@ -2,61 +2,156 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 from os import PathLike
-from typing import Any, TypeAlias
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from encoders.errors import QueryError
-from encoders.motion import Motion
-from indexer.store.clips import Clip
+from encoders.errors import ArgumentError, QueryError
+from encoders.motion import FPS, Motion
+from indexer.ingest import arrays
+from indexer.ingest.arrays import NewClip
+from indexer.store.clips import Caption, Clip
 from indexer.store.stored_library import StoredLibrary
+from search.drawing.film import write_picture
+from search.export.cut import writable, write_cut
 from search.hits import Hits
 from search.moments.across_library import LocatedMoment, best_moments
 from search.moments.one_motion import find, moments_of
 from search.moments.queried_motion import QueriedMotion
-from search.query.filters import Filters
+from search.moments.segments import Segment, segment_motion
+from search.query.arguments import checked_count, checked_number, checked_span, unit_vector
+from search.query.filters import FilterArguments, Filters
 from search.query.question import EncodedQuestion, Question
 from search.ranking.alignment import LONGEST, RERANKED, alignment_bonus
 from search.ranking.answers import Answer, as_hits
 from search.ranking.batched import batched
 from search.ranking.clip_scores import ClipScore, best_clips, rank_candidate_clips
 from search.ranking.description import describe_motion
-from search.source import MotionSource, find_clip, find_source
+from search.references import Ref, source_of, span_of
+from search.source import MotionSource
 
-Ref: TypeAlias = "str | PathLike[str] | Motion | MotionSource"
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
 Ids = NDArray[np.int64]
 
 #: Candidate clips searched in one batch when several sentences are asked of the library, and answers of each.
 _BATCH, _OF_EACH = 20, 10
 #: The shortest cut that can be compared, in seconds.
 _SHORTEST_CUT = 0.5
+#: Clips read at once.
+_CHUNK = 1000
 
 
 class Library(StoredLibrary):
-    """An indexed folder that answers questions.
+    """A library of motions that answers questions. Safe to share between threads.
 
-    Every question takes the fields of `search.query.filters.Filters` as keyword arguments and answers with at most
-    `k` hits, best first. A `ref` is a motion, a file, or a clip of the library by path, name or "#id".
+    Searches answer with at most `k` hits, best first. They take filters as keyword arguments, which choose the clips
+    to search in: `min_duration` and `max_duration` in seconds, `path` (a pattern such as "fights/*"), `rig`, `format`,
+    and `captioned` (True or False).
+
+    A reference `ref` is a file; a clip of the library by path, name or "#number"; a `Clip`, a `Hit`, a `Motion`, or an
+    array of joints (T, 22, 3) with its frame rate `fps` (20 if not given). Where a method takes `start` and `end`, in
+    seconds, a hit stands for its span; elsewhere for its whole clip.
+
+    All errors are below `MotionSeekError`. Every method raises `ArgumentError`, which names the argument, for a value
+    of a wrong type or out of range; `UnknownClip` or `UnreadableMotion` where a reference means no clip or no readable
+    file; and `BundleMismatch` where the library holds the vectors of another model.
     """
 
-    def search(self, text: str, k: int = 10, **filters: Any) -> Hits:
+    def clips(self, **filters: Unpack[FilterArguments]) -> Iterator[Clip]:
+        """The clips, in order of their numbers; read in chunks, so that memory does not grow with the library."""
+        allowed = self.allowed(**filters)
+        if allowed is None:
+            yield from super().clips()
+            return
+        for first in range(0, len(allowed), _CHUNK):
+            yield from self.clips_by_id(allowed[first : first + _CHUNK].tolist()).values()
+
+    def add(
+        self,
+        id: str,
+        motion: Motion | ArrayLike,
+        captions: str | Caption | Sequence[str | Caption] = (),
+        *,
+        fps: float | None = None,
+    ) -> int:
+        """Add a motion as a clip, without any file; a clip of the same id is replaced.
+
+        Parameters
+        ----------
+        id : str
+            Its path in the library, such as "walk" or "session_1/walk".
+        motion : Motion or array (T, 22, 3)
+            A `Motion`, or joints in SMPL order in any unit and orientation.
+        captions : str, Caption, or sequence of them
+        fps : float, optional
+            Frames a second of an array; 20 if not given.
+
+        Returns
+        -------
+        int
+            The clip's number.
+
+        Raises
+        ------
+        LibraryLocked
+            If another process is writing the library.
+        """
+        return self.add_many([NewClip(id, motion, captions, fps)])[0]
+
+    def add_many(self, clips: Iterable[NewClip]) -> list[int]:
+        """Add clips as `add` does, encoded in batches; their numbers, in order.
+
+        Where one is refused, the batches before it stay.
+
+        Raises
+        ------
+        LibraryLocked
+            If another process is writing the library.
+        """
+        return arrays.add(self.folder, clips, self.bundle)
+
+    def remove(self, *ids: str) -> None:
+        """Remove clips that were added by `add` or `add_many`, all of them or none.
+
+        Raises
+        ------
+        UnknownClip
+            If an id names no such clip.
+        LibraryLocked
+            If another process is writing the library.
+        """
+        arrays.remove(self.folder, ids)
+
+    def search(self, query: str | NDArray[Any], k: int = 10, **filters: Unpack[FilterArguments]) -> Hits:
         """The clips that fit a sentence best, each with the span that does.
+
+        Parameters
+        ----------
+        query : str or array (D,)
+            A sentence, or a vector of the model's space, of any length, such as one of `Encoder.encode_texts`.
 
         Raises
         ------
         QueryError
-            If the sentence is empty or a filter makes no sense.
+            If the sentence is empty.
         """
-        return self.search_encoded(Question.of(text, split_steps=False).encode(self.bundle), k, **filters)
+        if isinstance(query, str):
+            question = Question.of(query, split_steps=False).encode(self.bundle)
+        else:
+            question = EncodedQuestion(unit_vector(query, self.bundle.latent_size)[None])
+        return self.search_encoded(question, k, **filters)
 
-    def search_encoded(self, question: EncodedQuestion, k: int = 10, **filters: Any) -> Hits:
+    def search_encoded(self, question: EncodedQuestion, k: int = 10, **filters: Unpack[FilterArguments]) -> Hits:
         """The clips that fit a question that is encoded already; see `search`."""
-        return self._clip_hits(question, k, self.allowed(**filters))
+        return self._clip_hits(question, checked_count(k), self.allowed(**filters))
 
     def moments(
         self,
@@ -66,37 +161,148 @@ class Library(StoredLibrary):
         *,
         then: Sequence[str] = (),
         meanwhile: Sequence[str] = (),
-        **filters: Any,
+        split_steps: bool = True,
+        fps: float | None = None,
+        **filters: Unpack[FilterArguments],
     ) -> Hits:
-        """Where a sentence happens: in one motion, or anywhere in the library.
+        """The moments at which a sentence happens: in one motion, or anywhere in the library.
 
         Parameters
         ----------
+        text : str or None
+            A sentence; None where `then` or `meanwhile` say all.
+        ref : optional
+            The motion to search in; the whole library if not given. Filters are for the whole library only.
         then : sequence of str
-            Steps that follow, where the sentence does not say them itself ("walks, then sits down").
+            Steps that follow, where the sentence does not state them itself ("walks, then sits down").
         meanwhile : sequence of str
             What happens at the same time.
+        split_steps : bool
+            Whether a sentence that states steps is split into them.
 
         Raises
         ------
         QueryError
             If the sentence is empty.
-        UnreadableMotion, LibraryError
-            If `ref` names nothing that can be read.
         """
-        return self.answer(Question.of(text, then, meanwhile), ref, k, **filters)
+        return self.answer(Question.of(text, then, meanwhile, split_steps=split_steps), ref, k, fps=fps, **filters)
 
-    def answer(self, question: Question, ref: Ref | None = None, k: int = 10, **filters: Any) -> Hits:
+    def answer(
+        self,
+        question: Question,
+        ref: Ref | None = None,
+        k: int = 10,
+        *,
+        fps: float | None = None,
+        **filters: Unpack[FilterArguments],
+    ) -> Hits:
         """The moments that answer a question, in one motion or anywhere in the library; see `moments`."""
-        encoded = question.encode(self.bundle)
-        if ref is not None:
-            return moments_of(QueriedMotion(self.bundle, self.source(ref), encoded), k)
-        return self._moment_hits(encoded, k, self.allowed(**filters))
+        k, allowed = checked_count(k), self.allowed(**filters)
+        if ref is None:
+            return self._moment_hits(question.encode(self.bundle), k, allowed)
+        if allowed is not None:
+            raise ArgumentError(f"{', '.join(filters)}: filters choose clips of the library, and a motion is given")
+        return moments_of(QueriedMotion(self.bundle, self.source(ref, fps=fps), question.encode(self.bundle)), k)
 
-    def describe(self, ref: Ref, k: int = 5) -> list[tuple[str, float]]:
-        """The sentences that fit a motion best: the library's captions and the shipped vocabulary."""
+    def describe(
+        self,
+        ref: Ref,
+        k: int = 5,
+        start: float | None = None,
+        end: float | None = None,
+        *,
+        fps: float | None = None,
+    ) -> list[tuple[str, float]]:
+        """The sentences that fit a motion, or a span of it, best: the library's captions and the shipped vocabulary.
+
+        Returns
+        -------
+        list of (sentence, score)
+            Best first, no sentence twice. The score is a cosine less what is taken from sentences near every motion.
+
+        Raises
+        ------
+        QueryError
+            If the span is empty or lies outside the motion.
+        """
         captions, _, vectors = self.caption_vectors()
-        return describe_motion(self.bundle, self.source(ref).motion, k, captions, vectors)
+        return describe_motion(self.bundle, self._cut(ref, start, end, fps), checked_count(k), captions, vectors)
+
+    def segment(
+        self, ref: Ref, labels: Sequence[str] | None = None, *, captions: bool = False, fps: float | None = None
+    ) -> list[Segment]:
+        """Label a motion from beginning to end.
+
+        Parameters
+        ----------
+        labels : sequence of str, optional
+            The labels; the shipped vocabulary if not given.
+        captions : bool
+            Take the library's captions as labels.
+
+        Returns
+        -------
+        list of Segment
+            In order and without gaps; the label is empty where none fits.
+        """
+        if captions and labels is not None:
+            raise ArgumentError("labels and captions=True exclude each other; give one")
+        given = sorted(set(self.caption_vectors()[0])) if captions else labels
+        return segment_motion(self.bundle, self.source(ref, fps=fps).motion, given)
+
+    def export(
+        self,
+        ref: Ref,
+        out: str | PathLike[str],
+        start: float | None = None,
+        end: float | None = None,
+        *,
+        fps: float | None = None,
+        overwrite: bool = False,
+    ) -> Path:
+        """Write a motion, or a span of it, to a .bvh, .npz or .npy file; its path.
+
+        A .bvh of a .bvh file keeps its rig, its frame rate and its numbers; any other has the 22 joints.
+
+        Raises
+        ------
+        QueryError
+            If the span is empty or lies outside the motion, the ending is another, or the file exists.
+        """
+        place = writable(out, overwrite)
+        write_cut(self.source(ref, fps=fps), place, *checked_span(*span_of(ref, start, end)))
+        return place
+
+    def render(
+        self,
+        ref: Ref,
+        out: str | PathLike[str],
+        start: float | None = None,
+        end: float | None = None,
+        *,
+        size: int = 480,
+        fps: float = FPS,
+        overwrite: bool = False,
+    ) -> Path:
+        """Draw a motion, or a span of it, to a .png (a strip of poses), .gif or .mp4 (an animation); its path.
+
+        Parameters
+        ----------
+        size : int
+            Height in pixels.
+        fps : float
+            Frames a second of the animation. An array to draw is at 20; give another as a `Motion` with its own.
+
+        Raises
+        ------
+        QueryError
+            If the span is empty or lies outside the motion, the ending is another, or the file exists.
+        MissingProgram
+            If there is no ffmpeg for an .mp4.
+        """
+        place = writable(out, overwrite)
+        write_picture(self._cut(ref, start, end, None), place, size=checked_count(size, "size"), fps=fps)
+        return place
 
     def similar(
         self,
@@ -106,16 +312,26 @@ class Library(StoredLibrary):
         end: float | None = None,
         *,
         moments: bool = False,
-        **filters: Any,
+        fps: float | None = None,
+        **filters: Unpack[FilterArguments],
     ) -> Hits:
-        """The clips, or with `moments` the spans, most like a motion or a cut of it; never from the clip itself.
+        """The clips, or with `moments` the spans, most like a motion or a span of it; never from the clip itself.
+
+        Parameters
+        ----------
+        ref
+            A reference, or a vector (D,) of the model's space, such as one of `Encoder.encode_motions`.
 
         Raises
         ------
         QueryError
-            If the cut lies outside the motion or is too short.
+            If the span lies outside the motion or is too short to compare.
         """
-        source = self.source(ref)
+        k, allowed = checked_count(k), self.allowed(**filters)
+        if isinstance(ref, np.ndarray) and ref.ndim == 1:
+            question = EncodedQuestion(unit_vector(ref, self.bundle.latent_size)[None], kind="motion")
+            return self._moment_hits(question, k, allowed) if moments else self._clip_hits(question, k, allowed)
+        source, (start, end) = self.source(ref, fps=fps), checked_span(*span_of(ref, start, end))
         motion = source.cut(start, end)
         is_cut = start is not None or end is not None
         if is_cut and motion.duration < _SHORTEST_CUT:
@@ -124,7 +340,6 @@ class Library(StoredLibrary):
                 f"take at least {_SHORTEST_CUT:g} s"
             )
         question = EncodedQuestion(self.bundle.encode_motions([motion]), kind="motion")
-        allowed = self.allowed(**filters)
         if source.clip_id >= 0:
             allowed = np.setdiff1d(self.ids() if allowed is None else allowed, [source.clip_id])
         if moments:
@@ -136,7 +351,7 @@ class Library(StoredLibrary):
 
     def _rerank_by_alignment(self, motion: Motion, found: list[ClipScore]) -> list[ClipScore]:
         """The nearest clips, those first that also move alike moment by moment; scores rise accordingly."""
-        clips = self.clips([score.clip_id for score in found])
+        clips = self.clips_by_id([score.clip_id for score in found])
         near = [score for score in found[:RERANKED] if clips[score.clip_id].duration <= LONGEST]
         if not near or motion.duration > LONGEST:
             return found
@@ -145,41 +360,23 @@ class Library(StoredLibrary):
         raised = [replace(s, score=min(1.0, s.score + bonus.get(s.clip_id, 0.0))) for s in found]
         return sorted(raised, key=lambda s: -s.score)
 
-    def source(self, ref: Ref) -> MotionSource:
-        """What a reference names.
+    def source(self, ref: Ref, *, fps: float | None = None) -> MotionSource:
+        """The motion that a reference means, with what the library knows of it."""
+        return source_of(ref, self, fps=checked_number("fps", fps))
 
-        Raises
-        ------
-        UnreadableMotion, LibraryError
-            If it names nothing that can be read.
-        """
-        if isinstance(ref, MotionSource):
-            return ref
-        return MotionSource.of_motion(ref) if isinstance(ref, Motion) else find_source(ref, self)
-
-    def known(self, ref: str | PathLike[str]) -> Clip | None:
-        """The clip a reference names, or None for a file that is not in the library."""
-        return find_clip(self, ref)
-
-    def allowed(self, **filters: Any) -> Ids | None:
-        """The clips that pass the filters, as sorted ids; None for all.
-
-        Raises
-        ------
-        QueryError
-            If there is no such filter, or its value makes no sense.
-        """
-        unknown = sorted(set(filters) - set(Filters.__dataclass_fields__))
-        if unknown:
-            raise QueryError(f"no filter {', '.join(unknown)}; there are {', '.join(Filters.__dataclass_fields__)}")
-        condition, values = Filters(**filters).where()
+    def allowed(self, **filters: Unpack[FilterArguments]) -> Ids | None:
+        """The ids of the clips that pass the filters, sorted; None for all."""
+        condition, values = Filters.of(filters).where()
         return self.ids(condition, values) if condition else None
+
+    def _cut(self, ref: Ref, start: float | None, end: float | None, fps: float | None) -> Motion:
+        return self.source(ref, fps=fps).cut(*checked_span(*span_of(ref, start, end)))
 
     def _clip_hits(self, question: EncodedQuestion, k: int, allowed: Ids | None) -> Hits:
         return self._hits(question, best_clips(self, question.vectors[0], k, allowed=allowed))
 
     def _hits(self, question: EncodedQuestion, found: Sequence[ClipScore]) -> Hits:
-        clips = self.clips([score.clip_id for score in found])
+        clips = self.clips_by_id([score.clip_id for score in found])
         located = [(score.clip_id, score.moment(clips[score.clip_id].duration)) for score in found]
         return as_hits(self.bundle, question, self._answers(located))
 
@@ -193,7 +390,7 @@ class Library(StoredLibrary):
     def _find_in_candidates(self, question: EncodedQuestion, allowed: Ids | None) -> Iterator[Answer]:
         """Answers in the clips in which all sentences are likely, best first in each batch of clips."""
         for ids in batched(rank_candidate_clips(self, question.vectors, allowed=allowed), _BATCH):
-            sources = (MotionSource.of_clip(self, clip) for clip in self.clips(ids).values())
+            sources = (MotionSource.of_clip(self, clip) for clip in self.clips_by_id(ids).values())
             found = [
                 answer for source in sources for answer in find(QueriedMotion(self.bundle, source, question), _OF_EACH)
             ]
@@ -203,5 +400,5 @@ class Library(StoredLibrary):
         return MotionSource.of_clip(self, self.clip(clip_id))
 
     def _answers(self, located: Sequence[LocatedMoment]) -> list[Answer]:
-        clips = self.clips([clip_id for clip_id, _ in located])
+        clips = self.clips_by_id([clip_id for clip_id, _ in located])
         return [Answer(MotionSource.of_clip(self, clips[clip_id]), moment) for clip_id, moment in located]

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
+from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike, fspath
 from pathlib import Path
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle.windows import Windows, encode_grids
-from encoders.errors import QueryError, UnknownClip, UnreadableMotion
+from encoders.errors import QueryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.ingest.load import load_motion
@@ -22,9 +21,6 @@ from indexer.store.clips import Caption, Clip
 from indexer.store.stored_library import StoredLibrary
 from search.hits import Hit, Step
 from search.spans import Moment
-
-#: Clips whose names are compared with one that no clip has.
-_NAMES_COMPARED = 5000
 
 
 @dataclass(frozen=True)
@@ -157,71 +153,3 @@ class MotionSource:
             file=None if self.file is None else self.file.absolute(),
             read=lambda: self.cut(moment.start, end),
         )
-
-
-def find_clip(library: StoredLibrary, ref: str | PathLike[str]) -> Clip | None:
-    """The clip that a reference names, None for a file outside the library.
-
-    A file that exists is looked up as such; anything else as a path, name or #id of the library.
-
-    Raises
-    ------
-    UnknownClip
-        If it is neither.
-    """
-    path = Path(ref)
-    if not path.is_file():
-        return library.find(fspath(ref))
-    try:
-        return library.find(str(path.resolve()))
-    except UnknownClip:
-        return None
-
-
-def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps: float | None = None) -> MotionSource:
-    """What a reference names.
-
-    Parameters
-    ----------
-    fps : float, optional
-        The true frame rate of what is meant; a clip is then read anew from its file.
-
-    Raises
-    ------
-    UnreadableMotion, UnknownClip
-        If it names nothing, or a file that cannot be read.
-    QueryError
-        If it names a clip that was added as an array, with a frame rate.
-    """
-    path = Path(ref)
-    if path.is_dir() and (library is None or not library.ids("clips.name = ?", [fspath(ref)]).size):
-        raise UnreadableMotion(ref, "this is a folder; name a file in it, or a clip of a library by path, name or #id")
-    if library is None:
-        if not path.exists():
-            raise UnreadableMotion(ref, "there is no such file; to name a clip of a library, add --library FOLDER")
-        return MotionSource.of_file(ref, fps=fps)
-    try:
-        clip = find_clip(library, ref)
-    except UnknownClip as error:
-        raise UnknownClip(f"{error}{_suggestion(library, fspath(ref))}") from None
-    if clip is None:
-        return MotionSource.of_file(ref, library, fps=fps)
-    if fps is not None:
-        if clip.file is None:
-            raise QueryError(f"{clip.path}: was added as an array; it has no file to read at another frame rate")
-        source = MotionSource.of_file(clip.file, library, fps=fps)
-        return replace(source, path=clip.path, clip_id=clip.id, root=clip.root_name)
-    return MotionSource.of_clip(library, clip)
-
-
-def _suggestion(library: StoredLibrary, ref: str) -> str:
-    """Clips that a reference may have meant which names no clip, or several."""
-    if library.ids("clips.name = ?", [ref]).size:
-        return ""
-    clips = library.clips(library.ids()[:_NAMES_COMPARED]).values()
-    if ref.isdigit() and int(ref) in (clip.id for clip in clips):
-        return f"; did you mean '#{ref}'?"
-    meant = {name: clip.path for clip in clips for name in (clip.path, clip.name)}
-    near = dict.fromkeys(meant[name] for name in get_close_matches(ref, meant, n=3))
-    missing = "" if ref.startswith("#") else ", and no such file"
-    return f"{missing}; did you mean {' or '.join(near)}?" if near else missing

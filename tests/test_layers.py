@@ -19,7 +19,8 @@ ROOMS = {
     "encoders": ("errors skeleton geometry english drawing motion features protocol bundle metrics corpus tmr".split()),
     "indexer": "take formats rigs vectors store ingest datasets".split(),
     "search": (
-        "spans hits source query ranking moments export drawing library map evaluate release server cli".split()
+        "spans hits source references query ranking moments export drawing library standalone "
+        "map evaluate release server cli".split()
     ),
 }
 PACKAGES = tuple(ROOMS)

@@ -187,12 +187,12 @@ class StoredLibrary:
         UnknownClip
             If there is none of that id.
         """
-        found = self.clips([id])
+        found = self.clips_by_id([id])
         if id not in found:
             raise UnknownClip(f"{self.folder}: no clip #{id}")
         return found[id]
 
-    def clips(self, ids: Iterable[int]) -> dict[int, Clip]:
+    def clips_by_id(self, ids: Iterable[int]) -> dict[int, Clip]:
         """The clips of these ids that exist, by id."""
         wanted = [int(i) for i in dict.fromkeys(ids)]
         found: dict[int, Clip] = {}
@@ -202,7 +202,7 @@ class StoredLibrary:
             found |= {clip.id: clip for clip in self._select(f"clips.id IN ({marks})", part)}
         return found
 
-    def all_clips(self) -> Iterator[Clip]:
+    def clips(self) -> Iterator[Clip]:
         """Every clip, in order of its id; read in chunks, so that memory does not grow with the library."""
         last = -1
         while chunk := select(self.connection, self._roots(), "clips.id > ?", [last], limit=_CHUNK):

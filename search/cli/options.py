@@ -79,7 +79,7 @@ def open_source(
     from encoders.bundle.bundle import Bundle
     from encoders.errors import LibraryError
     from search.cli.locate import VARIABLE
-    from search.source import find_source
+    from search.references import find_source
 
     try:
         library = open_library(folder)

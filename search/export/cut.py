@@ -11,7 +11,7 @@ from typing import IO
 
 import numpy as np
 
-from encoders.errors import QueryError
+from encoders.errors import ArgumentError, QueryError
 from encoders.motion import Motion
 from search.export import bvh_writer
 from search.source import MotionSource
@@ -31,8 +31,10 @@ def write_cut(
     Raises
     ------
     QueryError
-        If the cut lies outside the motion, or the ending names no format that can be written.
+        If the cut lies outside the motion, the ending names no format that can be written, or `out` is the source.
     """
+    if source.file is not None and out.exists() and out.samefile(source.file):
+        raise QueryError(f"{out} is the clip itself; name another file, its source would be lost")
     motion = source.cut(start, end)
     writer = WRITERS.get(out.suffix.lower())
     if writer is None:
@@ -60,6 +62,20 @@ def _write_npy(file: IO[bytes], motion: Motion) -> None:
 
 #: Ending -> what writes it.
 WRITERS: dict[str, Callable[[IO[bytes], Motion], None]] = {".bvh": _write_bvh, ".npz": _write_npz, ".npy": _write_npy}
+
+
+def writable(out: str | os.PathLike[str], overwrite: bool) -> Path:
+    """The path of a file to write.
+
+    Raises
+    ------
+    ArgumentError
+        If it exists and is not to be overwritten.
+    """
+    path = Path(out)
+    if path.exists() and not overwrite:
+        raise ArgumentError(f"{path} exists; overwrite it with overwrite=True")
+    return path
 
 
 @contextmanager

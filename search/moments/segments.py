@@ -8,10 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.errors import ArgumentError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from search.moments.window_scores import Vectors, frame_curve
+from search.query.arguments import checked_sentences
 from search.query.encoding import encode_queries
+from search.query.vocabulary import vocabulary
 
 #: The label of what none of the labels fits.
 UNKNOWN = ""
@@ -33,12 +36,25 @@ class Segment:
     score: float
 
 
-def segment(bundle: Encoder, motion: Motion, labels: Sequence[str]) -> list[Segment]:
+def segment_motion(bundle: Encoder, motion: Motion, labels: Sequence[str] | None = None) -> list[Segment]:
     """Divide a motion among labels so that the segments cover it all, in order, without overlap.
 
-    The similarity of each label over time, less what unrelated motion scores for it, goes through Viterbi's
-    algorithm with a cost for each change.
+    The similarity of each label over time, less what unrelated motion scores for it, goes through Viterbi's algorithm
+    with a cost for each change.
+
+    Parameters
+    ----------
+    labels : sequence of str, optional
+        The shipped vocabulary if not given.
+
+    Raises
+    ------
+    ArgumentError
+        If there are no labels, or they are not a list of strings.
     """
+    labels = vocabulary() if labels is None else checked_sentences("labels", labels)
+    if not labels:
+        raise ArgumentError("there are no labels to choose from")
     queries = encode_queries(bundle, labels)
     similarity = frame_curve(bundle, bundle.features(motion), queries)
     excess = similarity - _unrelated(bundle, queries, similarity)[:, None] - _MARGIN

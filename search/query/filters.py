@@ -1,11 +1,14 @@
-"""Filters: which clips a question is asked of, as columns compared with bound values."""
+"""Filters: which clips a query is compared with, as columns compared with bound values."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypedDict
 
-from encoders.errors import QueryError
+import numpy as np
+
+from encoders.errors import ArgumentError
+from search.query.arguments import checked_number
 
 #: Filter -> the SQL condition it stands for; the value is always bound, never pasted.
 _CONDITIONS = {
@@ -18,20 +21,36 @@ _CONDITIONS = {
 _CAPTIONED = "clips.id IN (SELECT clip_id FROM captions WHERE clip_id IS NOT NULL AND text_id IS NOT NULL)"
 
 
+class FilterArguments(TypedDict, total=False):
+    """The fields of `Filters` as keyword arguments."""
+
+    min_duration: float | None
+    max_duration: float | None
+    path: str | None
+    rig: str | None
+    format: str | None
+    captioned: bool | None
+
+
 @dataclass(frozen=True)
 class Filters:
-    """Conditions on clips, all of which must hold; None asks for nothing.
+    """Conditions on clips, all of which must hold; None is no condition.
 
     Attributes
     ----------
     min_duration, max_duration : float, optional
         Seconds.
     path : str, optional
-        A pattern for the path relative to its folder: ``*`` any run of characters, ``?`` one, ``[ab]`` one of these.
+        A pattern for the path relative to its root: ``*`` any run of characters, ``?`` one, ``[ab]`` one of these.
     rig, format : str, optional
         As `motionseek status` names them.
     captioned : bool, optional
         Only clips with a caption, or only those without.
+
+    Raises
+    ------
+    ArgumentError
+        If a value is of a wrong type, not finite, or no clip can be as short and as long.
     """
 
     min_duration: float | None = None
@@ -41,10 +60,32 @@ class Filters:
     format: str | None = None
     captioned: bool | None = None
 
+    @classmethod
+    def of(cls, arguments: FilterArguments) -> Filters:
+        """From keyword arguments.
+
+        Raises
+        ------
+        ArgumentError
+            As above, or if there is no such filter.
+        """
+        unknown = sorted(set(arguments) - set(cls.__dataclass_fields__))
+        if unknown:
+            raise ArgumentError(f"no filter {', '.join(unknown)}; there are {', '.join(cls.__dataclass_fields__)}")
+        return cls(**arguments)
+
     def __post_init__(self) -> None:
+        for name in ("min_duration", "max_duration"):
+            object.__setattr__(self, name, checked_number(name, getattr(self, name)))
+        for name in ("path", "rig", "format"):
+            value = getattr(self, name)
+            if value is not None and not isinstance(value, str):
+                raise ArgumentError(f"{name}={value!r} must be a string")
+        if self.captioned is not None and not isinstance(self.captioned, (bool, np.bool_)):
+            raise ArgumentError(f"captioned={self.captioned!r} must be True or False")
         low, high = self.min_duration, self.max_duration
         if low is not None and high is not None and low > high:
-            raise QueryError(f"min_duration={low:g} is more than max_duration={high:g}: no clip can be both")
+            raise ArgumentError(f"min_duration={low:g} is more than max_duration={high:g}: no clip can be both")
 
     def where(self) -> tuple[str, tuple[Any, ...]]:
         """The SQL condition on the table of clips and the values to bind; an empty condition for all clips."""

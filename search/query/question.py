@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from encoders.errors import QueryError
 from encoders.protocol import Encoder
+from search.query.arguments import checked_sentences
 from search.query.encoding import encode_queries
 from search.query.steps import split
 
@@ -42,15 +43,10 @@ class Question:
         Raises
         ------
         QueryError
-            If there is no sentence, one is no text, or both an order and things at the same time are given.
+            If there is no sentence, one is not a string, or both an order and things at the same time are given.
         """
-        for name, texts in (("then", steps), ("meanwhile", meanwhile)):
-            if isinstance(texts, (str, bytes)):
-                raise QueryError(f"{name}={texts!r}: give a list of sentences, such as {name}=[{texts!r}]")
-        given = [text for text in (sentence, *steps, *meanwhile) if text is not None]
-        for text in given:
-            if not isinstance(text, str):
-                raise QueryError(f"a sentence must be text, not {type(text).__name__}")
+        steps, meanwhile = checked_sentences("then", steps), checked_sentences("meanwhile", meanwhile)
+        given = [*([] if sentence is None else checked_sentences("sentence", [sentence])), *steps, *meanwhile]
         if not given or not all(any(character.isalnum() for character in text) for text in given):
             raise QueryError('the sentence is empty; describe a movement in words, such as "a person waves"')
         if meanwhile and steps:

@@ -99,7 +99,7 @@ class AppState:
                 raise HTTPException(404, "this upload is no longer kept; upload the file again")
             return upload
         number = int(ref.removeprefix("#"))
-        clip = self.library.clips([number]).get(number)
+        clip = self.library.clips_by_id([number]).get(number)
         if clip is None:
             raise HTTPException(404, f"no clip #{number}")
         return clip

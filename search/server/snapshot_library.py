@@ -181,11 +181,11 @@ class SnapshotLibrary(Library):
         key = (self.snapshot.generation, where, tuple(values))
         return self._id_cache.get_or(key, lambda: super(SnapshotLibrary, self).ids(where, values))
 
-    def clips(self, ids: Iterable[int]) -> dict[int, Clip]:
-        """See `Library.clips`."""
+    def clips_by_id(self, ids: Iterable[int]) -> dict[int, Clip]:
+        """See `StoredLibrary.clips_by_id`."""
         snapshot = self.snapshot
         cached = {int(i): self._clip_cache.get(int(i)) for i in ids}
-        new = super().clips([i for i, clip in cached.items() if clip is None])
+        new = super().clips_by_id([i for i, clip in cached.items() if clip is None])
         for i, clip in new.items():
             if snapshot is self._snapshot:  # else it may have changed since it was read
                 self._clip_cache.put(i, clip)

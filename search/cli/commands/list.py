@@ -13,9 +13,6 @@ if TYPE_CHECKING:
     from indexer.store.clips import Caption, Clip
     from search.library import Library
 
-#: Clips that are read at once.
-_BATCH = 1000
-
 
 @click.command()
 @options.filters
@@ -53,11 +50,7 @@ def list(folder: str | None, as_json: bool, **filters: Any) -> None:
 
 
 def _clips(library: Library, filters: dict[str, Any]) -> Iterator[tuple[Clip, Sequence[Caption]]]:
-    allowed = library.allowed(**filters)
-    ids = library.ids() if allowed is None else allowed
-    for first in range(0, len(ids), _BATCH):
-        for clip in library.clips(ids[first : first + _BATCH].tolist()).values():
-            yield clip, library.captions(clip.id)
+    return ((clip, library.captions(clip.id)) for clip in library.clips(**filters))
 
 
 def _row(clip: Clip, captions: Sequence[Caption]) -> tuple[str, ...]:

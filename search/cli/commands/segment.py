@@ -46,7 +46,7 @@ def segment(
     """
     from search.cli import terminal
     from search.export.annotations import FORMATS, as_document
-    from search.moments.segments import segment as divide
+    from search.moments.segments import segment_motion
     from search.query.vocabulary import vocabulary
 
     if labels is not None and captions:
@@ -65,7 +65,7 @@ def segment(
             names = sorted(set(library.caption_vectors()[0])) if library else []
             if not names:
                 raise click.ClickException("no captions to use as labels; give --labels")
-        segments = divide(bundle, source.motion, names or vocabulary())
+        segments = segment_motion(bundle, source.motion, names or vocabulary())
     if out is not None and write is not None:
         out.write_text(write(segments, source.path), encoding="utf-8")
         terminal.note(f"wrote {out}")

@@ -41,7 +41,7 @@ def similar(
       motionseek similar long_take.bvh --start 12 --end 14.5 --moments
     """
     from search.cli import terminal
-    from search.source import find_source
+    from search.references import find_source
 
     with options.open_library(folder) as library:
         source = find_source(ref, library, fps=fps)

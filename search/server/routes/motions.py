@@ -44,7 +44,7 @@ def routes(state: AppState) -> APIRouter:
         """The clips of the library in order of their numbers, one page of them."""
         allowed = library.allowed(**given)
         ids = library.ids() if allowed is None else allowed
-        clips = library.clips(ids[offset : offset + limit].tolist())
+        clips = library.clips_by_id(ids[offset : offset + limit].tolist())
         return json_response({"total": len(ids), "motions": [clip_document(clip) for clip in clips.values()]})
 
     @router.get("/motions/{clip}", responses=ok(response_models.MotionResponse) | NO_CLIP)

@@ -39,7 +39,7 @@ def test_clips_are_added_without_files_and_found(place, bundle):
         bundle,
     )
     with StoredLibrary.open(place, bundle=bundle) as library:
-        clips = library.clips(numbers)
+        clips = library.clips_by_id(numbers)
         walk, turn = clips[numbers[0]], clips[numbers[1]]
         assert (walk.path, walk.name, walk.format, walk.file, walk.frames) == ("walk", "walk", "array", None, 80)
         assert (turn.path, turn.name) == ("day 1/turn.v2", "turn.v2")
@@ -120,7 +120,7 @@ def test_folders_are_indexed_into_the_same_library_and_arrays_stay(tmp_path, bun
         assert (summary.gone, summary.failed, summary.warnings) == (0, [], [])
         with StoredLibrary.open(place, bundle=bundle) as library:
             assert library.roots == [root]
-            assert [clip.root.name for clip in library.all_clips()] == ["arrays", "takes"]
+            assert [clip.root.name for clip in library.clips()] == ["arrays", "takes"]
             assert library.captions(number) == [Caption("walks")]
     index([], library=place, bundle=bundle)  # the folders it has
     assert reencode(place, SmallBundle("other")) == 2
@@ -138,7 +138,7 @@ def test_batches_are_committed_as_they_fill(place, bundle, monkeypatch):
     with pytest.raises(ArgumentError, match="id ''"):
         add(place, items(), bundle)
     with StoredLibrary.open(place) as library:
-        assert [clip.path for clip in library.all_clips()] == ["0", "1"]
+        assert [clip.path for clip in library.clips()] == ["0", "1"]
 
 
 @pytest.mark.parametrize(
@@ -178,7 +178,7 @@ def test_a_library_of_another_model_or_one_being_written_is_refused(place, bundl
         remove(place, ["a"])
 
 
-def test_all_clips_come_in_order_of_their_numbers(place, bundle):
+def test_clips_come_in_order_of_their_numbers(place, bundle):
     numbers = add(place, [NewClip(f"clip {i}", motion(i, 0.5)) for i in range(70)], bundle)
     with StoredLibrary.open(place) as library:
-        assert [clip.id for clip in library.all_clips()] == sorted(numbers)
+        assert [clip.id for clip in library.clips()] == sorted(numbers)

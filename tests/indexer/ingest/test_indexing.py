@@ -60,7 +60,7 @@ def counts(summary):
 
 def paths(root):
     with StoredLibrary.open(root) as library:
-        return {clip.path: clip.id for clip in library.clips(library.ids()).values()}
+        return {clip.path: clip.id for clip in library.clips_by_id(library.ids()).values()}
 
 
 def test_the_second_run_finds_all_unchanged_and_reads_nothing(root, bundle, read_here):

@@ -73,7 +73,7 @@ def test_a_clip_says_what_it_is(library, folder):
     assert (clip.path, clip.root, clip.name) == ("sub/wave hello ä.npy", folder, "wave hello ä")
     assert (clip.duration, clip.fps, clip.frames, clip.format, clip.rig) == (9.0, 20.0, 180, "npy", "rig")
     assert clip.file.is_file()
-    assert library.clips([clip.id, 999, clip.id]) == {clip.id: clip}
+    assert library.clips_by_id([clip.id, 999, clip.id]) == {clip.id: clip}
 
 
 def test_clips_are_found_by_path_name_and_number(library, folder, monkeypatch):
@@ -179,7 +179,10 @@ def test_allowed_clips_alone_are_found(library, bundle):
 
 
 def test_conditions_on_clips_are_bound_and_never_pasted(library):
-    assert {clip.name for clip in library.clips(library.ids("duration >= ?", [9])).values()} == {"wave hello ä", "turn"}
+    assert {clip.name for clip in library.clips_by_id(library.ids("duration >= ?", [9])).values()} == {
+        "wave hello ä",
+        "turn",
+    }
     assert len(library.ids("path GLOB ?", ["*/turn.npy"])) == 2
     assert library.ids("clips.name = ?", ["x' OR 1=1 --"]).tolist() == []
     assert len(library.ids("duration < ? OR duration > ?", [100, 100])) == 4
@@ -209,7 +212,9 @@ def test_what_is_written_elsewhere_is_seen_at_the_next_question(library, folder,
     assert library.generation > before
     assert library.clip(library.nearest_clips(query, 1)[1][0, 0]).path == "new.npy"
     assert len(set(library.nearest_clips(query, 9)[1][0]) - {-1}) == len(library) == 4
-    assert "walk.npy" not in {clip.path for clip in library.clips(library.nearest_windows(query, 99)[1][0]).values()}
+    assert "walk.npy" not in {
+        clip.path for clip in library.clips_by_id(library.nearest_windows(query, 99)[1][0]).values()
+    }
 
 
 def test_threads_can_share_a_library(library, bundle):

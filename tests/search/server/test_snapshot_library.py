@@ -86,7 +86,7 @@ def test_cached_clips_survive_growth_and_are_read_again_when_they_change(served,
     served()
     folder = tmp_path / "takes"
     with SnapshotLibrary.open(folder, bundle=bundle) as library:  # refreshed by hand
-        clips = {clip.path: clip for clip in library.clips(library.ids()).values()}
+        clips = {clip.path: clip for clip in library.clips_by_id(library.ids()).values()}
         np.save(folder / "new.npy", made_motion(5.0, 77).joints)
         (folder / "take 2.npy").rename(folder / "renamed.npy")
         (folder / "take 1.txt").write_text("a person hops\n", encoding="utf-8")
@@ -94,7 +94,7 @@ def test_cached_clips_survive_growth_and_are_read_again_when_they_change(served,
         said = library.captions(ids["take 1.npy"])
         indexing.index(folder, bundle=bundle, jobs=1)
         assert library.refresh()
-        now = library.clips(ids.values())
+        now = library.clips_by_id(ids.values())
         assert now[ids["take 1.npy"]] is clips["take 1.npy"]
         assert now[ids["take 2.npy"]].path == "renamed.npy"
         assert library.captions(ids["take 1.npy"]) != said

@@ -1,0 +1,149 @@
+"""References: what a path, a name, a number, a clip, a hit, a motion or an array means."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from difflib import get_close_matches
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.errors import ArgumentError, QueryError, UnknownClip, UnreadableMotion
+from encoders.motion import Motion
+from indexer.ingest.arrays import to_motion
+from indexer.store.clips import Clip
+from indexer.store.stored_library import StoredLibrary
+from search.hits import Hit
+from search.source import MotionSource
+
+#: A file; a clip of the library by path, name or "#number"; a clip, a hit, a motion, or joints (T, 22, 3).
+Ref: TypeAlias = "str | PathLike[str] | Clip | Hit | Motion | NDArray[Any] | MotionSource"
+
+#: Clips whose names are compared with one that no clip has.
+_NAMES_COMPARED = 5000
+
+
+def source_of(ref: Ref, library: StoredLibrary | None = None, *, fps: float | None = None) -> MotionSource:
+    """The motion that a reference means; of a hit, the whole clip it is from.
+
+    Parameters
+    ----------
+    fps : float, optional
+        The true frame rate of a file, a clip's file or an array.
+
+    Raises
+    ------
+    UnreadableMotion
+        If a file cannot be read.
+    UnknownClip
+        If there is no such clip.
+    ArgumentError
+        If it is nothing that can be meant, or the frame rate makes no sense.
+    """
+    if isinstance(ref, (str, PathLike)):
+        return find_source(ref, library, fps=fps)
+    if isinstance(ref, Clip):
+        return _source_of_clip(ref.id, ref.path, ref.file, library, fps)
+    if isinstance(ref, Hit):
+        if ref.clip_id < 0 and ref.file is None and ref.read is not None:
+            return MotionSource.of_motion(ref.read(), ref.path)
+        return _source_of_clip(ref.clip_id, ref.path, ref.file, library, fps)
+    if isinstance(ref, Motion):
+        return MotionSource.of_motion(ref if fps in (None, ref.fps) else to_motion(ref, fps))
+    if isinstance(ref, np.ndarray):
+        return MotionSource.of_motion(to_motion(ref, fps))
+    if isinstance(ref, MotionSource):
+        return ref
+    raise ArgumentError(f"a path, clip, hit, Motion or array of joints (T, 22, 3) is needed, not {type(ref).__name__}")
+
+
+def span_of(ref: Ref, start: float | None, end: float | None) -> tuple[float | None, float | None]:
+    """The span that is meant: `start` and `end` if one is given, else that of a hit that is a part of its clip."""
+    if not isinstance(ref, Hit) or start is not None or end is not None:
+        return start, end
+    is_whole = ref.start <= 0 and ref.end >= ref.duration
+    in_memory = ref.clip_id < 0 and ref.file is None  # then `source_of` gives the span itself
+    return (None, None) if is_whole or in_memory else (ref.start, ref.end)
+
+
+def _source_of_clip(
+    number: int, path: str, file: Path | None, library: StoredLibrary | None, fps: float | None
+) -> MotionSource:
+    """The clip of a library by its number, where it is the one of this path and file; else the file."""
+    clip = None if library is None else library.clips_by_id([number]).get(number)
+    if library is not None and clip is not None and (clip.path, clip.file) == (path, file):
+        return find_source(f"#{number}", library, fps=fps)
+    if file is None:
+        raise UnknownClip(f"{path}: is no clip of this library and has no file")
+    return find_source(file, library, fps=fps)
+
+
+def find_clip(library: StoredLibrary, ref: str | PathLike[str]) -> Clip | None:
+    """The clip that a reference names, None for a file outside the library.
+
+    A file that exists is looked up as such; anything else as a path, name or #id of the library.
+
+    Raises
+    ------
+    UnknownClip
+        If it is neither.
+    """
+    path = Path(ref)
+    if not path.is_file():
+        return library.find(fspath(ref))
+    try:
+        return library.find(str(path.resolve()))
+    except UnknownClip:
+        return None
+
+
+def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps: float | None = None) -> MotionSource:
+    """What a reference names.
+
+    Parameters
+    ----------
+    fps : float, optional
+        The true frame rate of what is meant; a clip is then read anew from its file.
+
+    Raises
+    ------
+    UnreadableMotion, UnknownClip
+        If it names nothing, or a file that cannot be read.
+    QueryError
+        If it names a clip that was added as an array, with a frame rate.
+    """
+    path = Path(ref)
+    if path.is_dir() and (library is None or not library.ids("clips.name = ?", [fspath(ref)]).size):
+        raise UnreadableMotion(ref, "this is a folder; name a file in it, or a clip of a library by path, name or #id")
+    if library is None:
+        if not path.exists():
+            raise UnreadableMotion(ref, "there is no such file; to name a clip of a library, add --library FOLDER")
+        return MotionSource.of_file(ref, fps=fps)
+    try:
+        clip = find_clip(library, ref)
+    except UnknownClip as error:
+        raise UnknownClip(f"{error}{_suggestion(library, fspath(ref))}") from None
+    if clip is None:
+        return MotionSource.of_file(ref, library, fps=fps)
+    if fps is not None:
+        if clip.file is None:
+            raise QueryError(f"{clip.path}: was added as an array; it has no file to read at another frame rate")
+        source = MotionSource.of_file(clip.file, library, fps=fps)
+        return replace(source, path=clip.path, clip_id=clip.id, root=clip.root_name)
+    return MotionSource.of_clip(library, clip)
+
+
+def _suggestion(library: StoredLibrary, ref: str) -> str:
+    """Clips that a reference may have meant which names no clip, or several."""
+    if library.ids("clips.name = ?", [ref]).size:
+        return ""
+    clips = library.clips_by_id(library.ids()[:_NAMES_COMPARED]).values()
+    if ref.isdigit() and int(ref) in (clip.id for clip in clips):
+        return f"; did you mean '#{ref}'?"
+    meant = {name: clip.path for clip in clips for name in (clip.path, clip.name)}
+    near = dict.fromkeys(meant[name] for name in get_close_matches(ref, meant, n=3))
+    missing = "" if ref.startswith("#") else ", and no such file"
+    return f"{missing}; did you mean {' or '.join(near)}?" if near else missing

@@ -1,0 +1,113 @@
+"""Questions about a motion without a library: a file, a `Motion`, or an array of joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+from encoders.bundle.bundle import Bundle
+from encoders.protocol import Encoder
+from search.hits import Hits
+from search.moments.one_motion import moments_of
+from search.moments.queried_motion import QueriedMotion
+from search.moments.segments import Segment, segment_motion
+from search.query.arguments import checked_count, checked_number, checked_span
+from search.query.question import Question
+from search.ranking.description import describe_motion
+from search.references import Ref, source_of, span_of
+from search.source import MotionSource
+
+
+def moments(
+    text: str | None,
+    ref: Ref,
+    k: int = 10,
+    *,
+    then: Sequence[str] = (),
+    meanwhile: Sequence[str] = (),
+    split_steps: bool = True,
+    fps: float | None = None,
+    bundle: Encoder | None = None,
+) -> Hits:
+    """The moments of a motion at which a sentence happens, best first.
+
+    Parameters
+    ----------
+    text : str or None
+        A sentence; None where `then` or `meanwhile` say all.
+    ref : path, Motion, hit or array (T, 22, 3)
+        The motion to search in.
+    k : int
+        At most so many.
+    then : sequence of str
+        Steps that follow, where the sentence does not state them itself ("walks, then sits down").
+    meanwhile : sequence of str
+        What happens at the same time.
+    split_steps : bool
+        Whether a sentence that states steps is split into them.
+    fps : float, optional
+        Frames a second of an array, 20 if not given, or the true frame rate of a file.
+    bundle : Encoder, optional
+        The model; the shipped one if not given.
+
+    Raises
+    ------
+    QueryError
+        If the sentence is empty; its subclass `ArgumentError` if a value is of a wrong type or out of range.
+    UnreadableMotion
+        If a file cannot be read.
+    """
+    k, question = checked_count(k), Question.of(text, then, meanwhile, split_steps=split_steps)
+    encoder = _encoder(bundle)
+    return moments_of(QueriedMotion(encoder, _source(ref, fps), question.encode(encoder)), k)
+
+
+def describe(
+    ref: Ref,
+    k: int = 5,
+    start: float | None = None,
+    end: float | None = None,
+    *,
+    fps: float | None = None,
+    bundle: Encoder | None = None,
+) -> list[tuple[str, float]]:
+    """The sentences of the shipped vocabulary that fit a motion, or a span of it in seconds, best; see `moments`.
+
+    Returns
+    -------
+    list of (sentence, score)
+        Best first. The score is a cosine less what is taken from sentences near every motion.
+
+    Raises
+    ------
+    QueryError
+        If the span is empty or lies outside the motion.
+    """
+    motion = _source(ref, fps).cut(*checked_span(*span_of(ref, start, end)))
+    return describe_motion(_encoder(bundle), motion, checked_count(k))
+
+
+def segment(
+    ref: Ref, labels: Sequence[str] | None = None, *, fps: float | None = None, bundle: Encoder | None = None
+) -> list[Segment]:
+    """Label a motion from beginning to end, without gaps; see `moments`.
+
+    Parameters
+    ----------
+    labels : sequence of str, optional
+        The labels; the shipped vocabulary if not given. A segment that none of them fits has an empty one.
+    """
+    return segment_motion(_encoder(bundle), _source(ref, fps).motion, labels)
+
+
+def _encoder(bundle: Encoder | None) -> Encoder:
+    return _shipped() if bundle is None else bundle
+
+
+@cache
+def _shipped() -> Bundle:
+    return Bundle.load()
+
+
+def _source(ref: Ref, fps: float | None) -> MotionSource:
+    return source_of(ref, fps=checked_number("fps", fps))
