@@ -16,7 +16,7 @@ from encoders.errors import QueryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.ingest.load import load_motion
-from indexer.ingest.unindexed import read_as_known
+from indexer.ingest.unindexed import read_unindexed
 from indexer.store.clips import Caption, Clip
 from indexer.store.stored_library import StoredLibrary
 from search.hits import Hit, Step
@@ -80,7 +80,7 @@ class MotionSource:
         UnreadableMotion
             If it cannot be read.
         """
-        motion = load_motion(path, fps=fps) if library is None else read_as_known(library, Path(path), fps=fps)
+        motion = load_motion(path, fps=fps) if library is None else read_unindexed(library, Path(path), fps=fps)
         return cls.of_motion(motion, fspath(path), Path(path))
 
     @classmethod

@@ -16,8 +16,6 @@ from indexer.formats.kinematics import Axes, Pose, turn
 from indexer.formats.numbers import parse_numbers
 from indexer.take import Take
 
-DESCRIPTION = "Acclaim motion, with its skeleton (.asf) beside it; 120 frames a second unless told otherwise"
-FPS = 120.0
 MAX_WORD = 64
 
 _NAMED_SKELETON = re.compile(rb"([^\\/\s:][^\\/\r\n:]*\.asf)\s*$", re.IGNORECASE | re.MULTILINE)
@@ -39,7 +37,7 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
     layout = _layout(path, words)
     skeleton = _skeleton(path, data, [name for name, _ in layout])
     radians = skeleton.radians if unit is None else unit == "radians"
-    return _take(path, skeleton, _channels(path, words, layout), radians, fps or FPS)
+    return _take(path, skeleton, _channels(path, words, layout), radians, fps)
 
 
 def _split(data: bytes) -> tuple[bytes, str | None]:
@@ -151,7 +149,7 @@ def _take(
     skeleton: Skeleton,
     channels: dict[str, NDArray[np.float64]],
     radians: bool,
-    fps: float,
+    fps: float | None,
 ) -> Take:
     """Forward kinematics of the Acclaim convention: a bone turns about its own axes, then its parent's turns follow."""
     frames = next(iter(channels.values())).shape[1]

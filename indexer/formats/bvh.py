@@ -14,7 +14,6 @@ from indexer.formats.kinematics import Pose, turn
 from indexer.formats.numbers import parse_numbers
 from indexer.take import Take
 
-DESCRIPTION = "BVH, any skeleton and channel order"
 MAX_JOINTS = 4096
 MAX_CHANNELS = 12
 _BLOCK = 4096  # frames whose poses fit the processor's cache, and bound the memory they need

@@ -9,11 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.errors import UnreadableMotion
-from encoders.motion import FPS
 from encoders.skeleton import JOINTS, PARENTS
 from indexer.take import Take
 
-DESCRIPTION = "joints (T, 22|24|52, 3) in SMPL order, or features (T, 263); 20 fps unless told otherwise"
 FEATURES = 263
 SHAPES = "(T, 22, 3), (T, 24, 3), (T, 52, 3) or (T, 263)"
 
@@ -30,7 +28,7 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
 
 
 def take_of(path: str | PathLike[str], array: NDArray[np.float64], fps: float | None) -> Take:
-    """A take of an array of joints or features, at 20 frames a second where none are given.
+    """A take of an array of joints or features.
 
     Raises
     ------
@@ -45,10 +43,10 @@ def take_of(path: str | PathLike[str], array: NDArray[np.float64], fps: float | 
         joints = array[:, : len(JOINTS)]
     else:
         raise UnreadableMotion(path, f"an array of shape {array.shape} is no motion; it must be {SHAPES}")
-    return joints_take(joints, fps or FPS)
+    return joints_take(joints, fps)
 
 
-def joints_take(joints: NDArray[np.float64], fps: float) -> Take:
+def joints_take(joints: NDArray[np.float64], fps: float | None) -> Take:
     """A take of the 22 joints (T, 22, 3); its rest pose is unknown, hence zeros."""
     return Take(JOINTS, PARENTS.astype(np.int64), np.zeros((len(JOINTS), 3)), joints, fps)
 

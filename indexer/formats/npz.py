@@ -11,8 +11,6 @@ from encoders.errors import UnreadableMotion
 from indexer.formats import npy
 from indexer.take import Take
 
-DESCRIPTION = "an array `joints` of (T, 22|24|52, 3) in SMPL order, and `fps`; 20 fps where it is missing"
-
 #: Unpacked, an array may be so large: twelve hours of the 22 joints at 20 frames a second.
 MAX_BYTES = 256 << 20
 _PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)

@@ -1,103 +1,154 @@
-"""Readers: a file becomes a Take. The content decides which reader, then the ending.
+"""The table of formats: for each its ending, reader, signature, companion files and default frame rate.
 
-Every reader is a module with a `DESCRIPTION` and `read(path, data, *, fps=None) -> Take`.
+A new format is one module beside this one, with a function `read(path, data, *, fps=None) -> Take`, and one row here.
 """
 
 from __future__ import annotations
 
-from os import PathLike, fspath
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
-from types import ModuleType
-
-import numpy as np
+from typing import NamedTuple
 
 from encoders.errors import UnreadableMotion
 from indexer.formats import amc, bvh, npy, npz
 from indexer.take import Take
 
-_READERS: dict[str, ModuleType] = {".bvh": bvh, ".amc": amc, ".npy": npy, ".npz": npz}
-
-#: Endings that can be read, and what they are.
-READABLE: dict[str, str] = {ending: reader.DESCRIPTION for ending, reader in _READERS.items()}
-
-MAX_BYTES = 4 << 30
-
-#: How files begin that are known but not read.
-_FOREIGN = {
-    b"kaydara fbx binary": "FBX",
-    b"; fbx": "FBX",
-    b"gltf": "glTF",
-    b"#usda": "USD",
-    b"pxr-usdc": "USD",
-}
-_FOREIGN_ENDINGS = {
-    ".fbx": "FBX", ".glb": "glTF", ".gltf": "glTF", ".c3d": "C3D", ".dae": "Collada", ".usd": "USD", ".usda": "USD",
-    ".trc": "TRC", ".vmd": "VMD", ".vrma": "VRMA", ".pkl": "pickle", ".pt": "PyTorch",
-    ".blend": "Blender", ".csv": "CSV", ".tak": "Motive TAK", ".zip": "ZIP",
-}  # fmt: skip
-#: Those that programs for animation open, and write again as BVH.
-_SCENES = frozenset({"FBX", "glTF", "USD", "Collada", "C3D", "TRC", "Blender"})
+#: Bytes at the start of a file in which its signature is looked for, and that of a companion.
+START, COMPANION_START = 4096, 65_536
+_BOM = b"\xef\xbb\xbf"
 
 
-@np.errstate(over="ignore", invalid="ignore")  # absurd values end as places that are no numbers, which are refused
-def read_take(path: str | PathLike[str], *, fps: float | None = None) -> Take:
-    """Read a motion file.
+class Companion(NamedTuple):
+    """A file beside a motion that the motion is read with: its ending, and bytes that tell it from the motion."""
+
+    ending: str
+    signature: bytes
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format that can be read.
+
+    Attributes
+    ----------
+    ending : str
+        In lower case, with the dot.
+    read : callable
+        (path, data, *, fps) -> Take; `fps` overrides what the file states.
+    signature : regular expression
+        Matches the start of such a file in lower case, after white space and byte order mark.
+    is_text : bool
+        A text is taken for this format by its ending, too.
+    needs_ending : bool
+        Other formats share the signature, so that the ending must be right as well.
+    default_fps : float or None
+        Frame rate of a file that states none; None where every file states one.
+    states_fps : bool
+        Whether a file can state its frame rate.
+    companion : Companion or None
+    """
+
+    ending: str
+    read: Callable[..., Take]
+    signature: bytes
+    is_text: bool = False
+    needs_ending: bool = False
+    default_fps: float | None = None
+    states_fps: bool = True
+    companion: Companion | None = None
+
+
+# fmt: off
+FORMATS = (
+    Format(".bvh", bvh.read, rb"hierarchy", is_text=True),
+    Format(".amc", amc.read, rb".*:(fully-specified|degrees|radians)", is_text=True,
+           default_fps=120.0, states_fps=False, companion=Companion(".asf", b":bonedata")),
+    Format(".npy", npy.read, rb"\x93numpy", default_fps=20.0, states_fps=False),
+    Format(".npz", npz.read, rb"pk", needs_ending=True, default_fps=20.0),
+)
+# fmt: on
+READABLE: dict[str, Format] = {row.ending: row for row in FORMATS}
+
+
+class ForeignFormat(NamedTuple):
+    """A format that is known but cannot be read.
+
+    Files of motion (`is_motion`) are listed as failed where a folder is indexed; the others are passed over. Some
+    formats (`is_scene`) open in programs that write BVH.
+    """
+
+    name: str
+    endings: tuple[str, ...]
+    signatures: tuple[bytes, ...] = ()
+    is_scene: bool = False
+    is_motion: bool = True
+
+
+FOREIGN = (
+    ForeignFormat("FBX", (".fbx",), (b"kaydara fbx binary", b"; fbx"), is_scene=True),
+    ForeignFormat("glTF", (".glb", ".gltf"), (b"gltf",), is_scene=True),
+    ForeignFormat("USD", (".usd", ".usda", ".usdc", ".usdz"), (b"#usda", b"pxr-usdc"), is_scene=True),
+    ForeignFormat("Collada", (".dae",), is_scene=True),
+    ForeignFormat("C3D", (".c3d",), is_scene=True),
+    ForeignFormat("TRC", (".trc",), is_scene=True),
+    ForeignFormat("Blender", (".blend",), is_scene=True),
+    ForeignFormat("Alembic", (".abc",)),
+    ForeignFormat("ANIM", (".anim",)),
+    ForeignFormat("Biped", (".bip",)),
+    ForeignFormat("CSM", (".csm",)),
+    ForeignFormat("HTR", (".htr",)),
+    ForeignFormat("MVNX", (".mvnx",)),
+    ForeignFormat("Motive TAK", (".tak",)),
+    ForeignFormat("VMD", (".vmd",)),
+    ForeignFormat("VRM", (".vrm", ".vrma")),
+    ForeignFormat("pickle", (".pkl",), is_motion=False),
+    ForeignFormat("PyTorch", (".pt",), is_motion=False),
+    ForeignFormat("CSV", (".csv",), is_motion=False),
+    ForeignFormat("ZIP", (".zip",), is_motion=False),
+)
+_FOREIGN_ENDINGS = {ending: row for row in FOREIGN for ending in row.endings}
+
+
+def is_motion(ending: str) -> bool:
+    """Whether files of an ending are motions, whether or not they can be read."""
+    return ending in READABLE or (ending in _FOREIGN_ENDINGS and _FOREIGN_ENDINGS[ending].is_motion)
+
+
+def detect(path: str | PathLike[str], data: bytes) -> Format:
+    """The format of a file: by its content, else by its ending.
 
     Parameters
     ----------
-    path : path
-        The file; for AMC its skeleton lies beside it.
-    fps : float, optional
-        Its true frame rate, where it says none or a wrong one.
+    data : bytes
+        Its content, or the first `COMPANION_START` bytes.
 
     Raises
     ------
     UnreadableMotion
-        With the reason: no such file, no kind that can be read, damaged, no frames, values that are no numbers.
+        If it is of none that can be read; says what it is, and what to do.
     """
-    path = Path(fspath(path))
-    if fps is not None and not 0 < fps < 1e5:
-        raise UnreadableMotion(path, f"fps={fps:g} is no frame rate")
-    data = _load(path)
-    reader = _reader(path, data)
-    take: Take = reader.read(path, data, fps=fps)
-    return take
-
-
-def _load(path: Path) -> bytes:
-    try:
-        if path.is_dir():
-            raise UnreadableMotion(path, "this is a folder, not a file")
-        if path.exists() and not path.is_file():
-            raise UnreadableMotion(path, "this is no regular file")
-        if path.stat().st_size > MAX_BYTES:
-            raise UnreadableMotion(path, f"the file is larger than {MAX_BYTES >> 30} GB; cut it into takes")
-        data = path.read_bytes()
-    except (OSError, ValueError) as error:
-        raise UnreadableMotion(path, getattr(error, "strerror", None) or str(error)) from None
-    if not data.strip():
-        raise UnreadableMotion(path, "the file is empty")
-    return data
-
-
-def _reader(path: Path, data: bytes) -> ModuleType:
-    """The reader for a file, by how it begins, else by its ending."""
-    start = data[:4096].removeprefix(b"\xef\xbb\xbf").lstrip().lower()
-    if start.startswith(b"hierarchy"):
-        return bvh
-    if data.startswith(b"\x93NUMPY"):
-        return npy
-    if data.startswith(b"PK") and path.suffix.lower() == ".npz":
-        return npz
-    kind = next((kind for magic, kind in _FOREIGN.items() if start.startswith(magic)), None)
-    if kind is None and b"\0" not in start:
-        if b":bonedata" in data[:65536].lower():
-            raise UnreadableMotion(path, "this is a skeleton without motion; read the .amc files that belong to it")
-        if b":fully-specified" in start or b":degrees" in start or b":radians" in start:
-            return amc
-        if path.suffix.lower() in (".bvh", ".amc"):
-            return _READERS[path.suffix.lower()]
-    kind = kind or _FOREIGN_ENDINGS.get(path.suffix.lower())
-    if kind in _SCENES:
-        raise UnreadableMotion(path, f"{kind} cannot be read; export it as BVH, as Blender and MotionBuilder do")
-    raise UnreadableMotion(path, f"{kind or 'this kind of file'} cannot be read; what can be: {', '.join(READABLE)}")
+    ending = Path(path).suffix.lower()
+    start = data[:START].removeprefix(_BOM).lstrip().lower()
+    is_text = b"\0" not in start
+    foreign = next((row for row in FOREIGN if start.startswith(row.signatures)), None)
+    if foreign is None:
+        for row in FORMATS:
+            if row.companion and is_text and row.companion.signature in data[:COMPANION_START].lower():
+                raise UnreadableMotion(
+                    path, f"this is a skeleton without motion; read the {row.ending} files that belong to it"
+                )
+            fits = is_text or not row.is_text
+            if fits and re.match(row.signature, start, re.DOTALL) and (ending == row.ending or not row.needs_ending):
+                return row
+        if is_text and ending in READABLE and READABLE[ending].is_text:
+            return READABLE[ending]
+        foreign = _FOREIGN_ENDINGS.get(ending)
+    if foreign is not None and foreign.is_scene:
+        raise UnreadableMotion(
+            path, f"{foreign.name} cannot be read; export it as BVH, as Blender and MotionBuilder do"
+        )
+    name = "this kind of file" if foreign is None else foreign.name
+    raise UnreadableMotion(path, f"{name} cannot be read; what can be: {', '.join(READABLE)}")

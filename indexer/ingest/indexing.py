@@ -12,7 +12,6 @@ from pathlib import Path
 from encoders.errors import LibraryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
-from indexer.formats.table import READABLE
 from indexer.ingest import side_files
 from indexer.ingest.changes import Changes, RequestedOptions, compare, record
 from indexer.ingest.encode import encode
@@ -180,7 +179,7 @@ def _update(
         raise LibraryError(f"{root}: cannot be listed ({error.strerror}), so nothing was changed") from error
     if not writer.folder.is_relative_to(root) and not any(folder.files for folder in folders) and writer.known(root_id):
         raise LibraryError(f"{root}: is empty, so nothing was changed; is its drive connected?")
-    motions = {folder.path: folder.motions(READABLE) for folder in folders}
+    motions = {folder.path: folder.motions() for folder in folders}
     found_beside = [pair for folder in folders for pair in folder.side_files(motions[folder.path])]
     with writer.batch():
         beside = side_files.update(writer.connection, root, root_id, found_beside, summary.warnings.append)

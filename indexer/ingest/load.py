@@ -5,7 +5,7 @@ from __future__ import annotations
 from os import PathLike
 
 from encoders.motion import Motion
-from indexer.formats.table import read_take
+from indexer.formats.reading import read_take
 from indexer.rigs.retarget import retarget
 
 
@@ -17,7 +17,7 @@ def load_motion(
     Parameters
     ----------
     path : path
-        A file of one of the kinds in `indexer.formats.table.READABLE`.
+        A file of one of the formats in `indexer.formats.table.FORMATS`.
     fps : float, optional
         The file's true frame rate, where it says none or a wrong one.
     joint_map : dict, optional

@@ -1,4 +1,4 @@
-"""A file that is no clip of a library, read as the library would read it: at the frame rate it was told of."""
+"""Reading an unindexed file: as the library would read it, at the frame rate that is known for it."""
 
 from __future__ import annotations
 
@@ -8,19 +8,20 @@ from pathlib import Path
 from typing import Any
 
 from encoders.motion import Motion
+from indexer.formats import table
 from indexer.ingest import worker
-from indexer.ingest.scan import SKELETONS, walk
+from indexer.ingest.scan import walk
 from indexer.store.captions import stated_rate
 from indexer.store.files import File
 from indexer.store.read_options import ReadOptions
 from indexer.store.stored_library import StoredLibrary
 
-#: Formats that name no frame rate: what a library was told of others of their skeleton is the best guess there is.
-_RATELESS = frozenset({".amc", ".npy"})
 
+def read_unindexed(library: StoredLibrary, path: Path, *, fps: float | None = None) -> Motion:
+    """The motion of a file that is no clip of the library, read with `known_options`.
 
-def read_as_known(library: StoredLibrary, path: Path, *, fps: float | None = None) -> Motion:
-    """A file's motion, read as `recipe_of` says or, where the library knows nothing of it, as others of its skeleton.
+    Where the library does not know the file and its format states no frame rate, the rate given for all clips of the
+    same skeleton and format is the best guess.
 
     Parameters
     ----------
@@ -32,31 +33,32 @@ def read_as_known(library: StoredLibrary, path: Path, *, fps: float | None = Non
     UnreadableMotion
         If it holds no motion that can be read.
     """
-    known = recipe_of(library, path)
-    recipe = known or ReadOptions()
-    motion, rig = worker.read(str(path), fps or recipe.fps, dict(recipe.joint_map) or None)
-    if known is None and fps is None and path.suffix.lower() in _RATELESS:
-        rate = _rate_of_rig(library, rig, path.suffix.lower().lstrip("."))
+    known = known_options(library, path)
+    options = known or ReadOptions()
+    motion, rig = worker.read(str(path), fps or options.fps, dict(options.joint_map) or None)
+    row = table.READABLE.get(path.suffix.lower())
+    if known is None and fps is None and row is not None and not row.states_fps:
+        rate = _rate_of_rig(library, rig, row.ending.lstrip("."))
         if rate is not None:
             motion, _ = worker.read(str(path), rate, None)
     return motion
 
 
-def recipe_of(library: StoredLibrary, path: Path) -> ReadOptions | None:
-    """How a library reads a file, by its path or its content; None where it knows nothing of it.
+def known_options(library: StoredLibrary, path: Path) -> ReadOptions | None:
+    """How the library reads a file, by its path or its content; None where it knows neither.
 
-    As in a run of the index, the rate that a captions table states goes before what was asked for. Files of one content
-    that are read in different ways say nothing.
+    As in indexing, the rate that a captions table states takes precedence. Files of the same content that were read
+    with different options decide nothing.
     """
     place = path.resolve()
-    recipe, rate = None, None
+    options, rate = None, None
     for key, root in _roots(library):
         if place.is_relative_to(root):
-            named = (key, place.relative_to(root).as_posix())
-            recipe = recipe or _only(library, "root_id = ? AND path = ? AND state != 'gone'", named)
-            rate = rate or stated_rate(library.connection, *named)
-    recipe = recipe or _of_content(library, place)
-    return recipe if rate is None else replace(recipe or ReadOptions(), fps=rate)
+            inside = place.relative_to(root).as_posix()
+            options = options or _common(library, "root_id = ? AND path = ? AND state != 'gone'", (key, inside))
+            rate = rate or stated_rate(library.connection, key, inside)
+    options = options or _of_content(library, place)
+    return options if rate is None else replace(options or ReadOptions(), fps=rate)
 
 
 def _roots(library: StoredLibrary) -> list[tuple[int, Path]]:
@@ -69,30 +71,31 @@ def _of_content(library: StoredLibrary, place: Path) -> ReadOptions | None:
         file = _scanned(place)
         if library.connection.execute("SELECT 1 FROM files WHERE size = ? LIMIT 1", (file.size,)).fetchone() is None:
             return None
-        return _only(library, "hash = ?", (file.hash(place.parent),))
-    except OSError:  # the reader says it better
+        return _common(library, "hash = ?", (file.hash(place.parent),))
+    except OSError:  # the reader reports it better
         return None
 
 
 def _scanned(place: Path) -> File:
-    """A file as a walk of its folder sees it: with the skeletons beside it, where it may need them."""
-    if place.suffix.lower() in SKELETONS:
-        beside = next(walk(place.parent, lambda _: None)).motions(SKELETONS)
-        found = [file for file in beside if file.path == place.name]
+    """A file as indexing its folder would find it: with the companions that it may need."""
+    row = table.READABLE.get(place.suffix.lower())
+    if row is not None and row.companion is not None:
+        folder = next(walk(place.parent, lambda _: None))
+        found = [file for file in folder.motions() if file.path == place.name]
         if found:
             return found[0]
     return File(place.name, place.stat().st_size, place.stat().st_mtime_ns)
 
 
-def _only(library: StoredLibrary, condition: str, values: Sequence[Any]) -> ReadOptions | None:
-    """The one recipe of the files that meet an SQL condition; None where there are none, or several."""
+def _common(library: StoredLibrary, condition: str, values: Sequence[Any]) -> ReadOptions | None:
+    """The options of the files that meet an SQL condition; None where there are none, or they differ."""
     rows = library.connection.execute(f"SELECT DISTINCT recipe FROM files WHERE {condition}", values).fetchall()
-    recipes = {replace(ReadOptions.of(text), from_table=False, version=0) for (text,) in rows}
-    return recipes.pop() if len(recipes) == 1 else None
+    options = {replace(ReadOptions.of(text), from_table=False, version=0) for (text,) in rows}
+    return options.pop() if len(options) == 1 else None
 
 
 def _rate_of_rig(library: StoredLibrary, rig: str, format: str) -> float | None:
-    """The frame rate at which all clips of a rig and format were read, if they were told one and the same."""
+    """The frame rate given for all clips of a rig and format; None where there is none, or they differ."""
     rows = library.connection.execute(
         "SELECT DISTINCT files.recipe FROM clips JOIN files ON files.id = clips.file_id "
         "WHERE files.state = 'indexed' AND clips.rig = ? AND clips.format = ?",

@@ -17,7 +17,7 @@ from typing import Any
 
 from encoders.errors import UnreadableMotion
 from encoders.motion import Motion
-from indexer.formats.table import read_take
+from indexer.formats.reading import read_take
 from indexer.rigs.retarget import retarget
 
 READY = b"ready\n"

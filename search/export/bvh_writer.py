@@ -41,15 +41,6 @@ _OFFSETS: Array = np.array([_DIRECTIONS.get(name, (0, 1, 0)) for name in JOINTS]
 _CHILDREN = [np.flatnonzero(joint == PARENTS) for joint in range(len(JOINTS))]
 
 
-def is_bvh(path: Path) -> bool:
-    """Whether a file that exists begins as a BVH does."""
-    try:
-        with path.open("rb") as file:
-            return file.read(256).lstrip(b"\xef\xbb\xbf \t\r\n").upper().startswith(b"HIERARCHY")
-    except OSError:
-        return False
-
-
 def cut(path: Path, out: IO[bytes], start: float, end: float, *, duration: float) -> tuple[int, float]:
     """Copy a BVH file's hierarchy and the lines of its frames from `start` to `end`, in seconds of its motion.
 

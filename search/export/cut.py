@@ -13,6 +13,7 @@ import numpy as np
 
 from encoders.errors import ArgumentError, QueryError
 from encoders.motion import Motion
+from indexer.formats.reading import is_of_format
 from search.export import bvh_writer
 from search.source import MotionSource
 
@@ -39,7 +40,7 @@ def write_cut(
     writer = WRITERS.get(out.suffix.lower())
     if writer is None:
         raise QueryError(f"{out}: can write {', '.join(WRITERS)}")
-    if writer is _write_bvh and source.file is not None and bvh_writer.is_bvh(source.file):
+    if writer is _write_bvh and source.file is not None and is_of_format(source.file, ".bvh"):
         first = max(start or 0.0, 0.0)
         with replacing(out) as file:
             return bvh_writer.cut(source.file, file, first, first + motion.duration, duration=source.duration)

@@ -10,7 +10,7 @@ import pytest
 
 from encoders.errors import UnreadableMotion
 from indexer.formats.numbers import parse_numbers
-from indexer.formats.table import read_take
+from indexer.formats.reading import read_take
 from indexer.take import Take
 
 ARM = """HIERARCHY

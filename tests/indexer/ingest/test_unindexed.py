@@ -5,7 +5,7 @@ import shutil
 import pytest
 
 from indexer.ingest.indexing import index
-from indexer.ingest.unindexed import read_as_known, recipe_of
+from indexer.ingest.unindexed import known_options, read_unindexed
 from indexer.store.stored_library import StoredLibrary
 from tests.indexer.folders import SmallBundle, write
 
@@ -20,7 +20,7 @@ def root(tmp_path):
 
 def duration(root, path, **given):
     with StoredLibrary.open(root) as library:
-        return pytest.approx(read_as_known(library, path, **given).duration, abs=0.15)
+        return pytest.approx(read_unindexed(library, path, **given).duration, abs=0.15)
 
 
 def test_a_copy_is_read_as_the_file_of_its_content_was(root, tmp_path):
@@ -58,9 +58,9 @@ def test_content_that_was_read_in_two_ways_says_nothing(root, tmp_path):
     (root / "captions.csv").write_text("path,fps\n1.npy,40\n")
     index(root, bundle=SmallBundle(), jobs=1)
     with StoredLibrary.open(root) as library:
-        assert recipe_of(library, tmp_path / "nowhere.npy") is None
-        assert recipe_of(library, root / "1.npy").fps == 40
-        assert recipe_of(library, write(tmp_path / "copy.npy", 1)) is None
+        assert known_options(library, tmp_path / "nowhere.npy") is None
+        assert known_options(library, root / "1.npy").fps == 40
+        assert known_options(library, write(tmp_path / "copy.npy", 1)) is None
 
 
 def test_a_motion_is_known_by_its_content_with_its_skeleton(root, tmp_path, mocap):
@@ -72,7 +72,7 @@ def test_a_motion_is_known_by_its_content_with_its_skeleton(root, tmp_path, moca
         shutil.copy(next(amc.parent.glob("*.asf")), folder / "walk.asf")
     index(root, bundle=SmallBundle(), jobs=1, fps=30)
     with StoredLibrary.open(root) as library:
-        assert recipe_of(library, away / "walk.amc").fps == 30
+        assert known_options(library, away / "walk.amc").fps == 30
         found = library.find("walk").duration
     assert duration(root, away / "walk.amc") == found
     assert duration(root, away / "walk.amc", fps=120) == found / 4
