@@ -28,14 +28,14 @@ from encoders.bundle.batching import pad
 from encoders.bundle.bundle import Bundle
 from encoders.features.registry import FEATURE_KINDS
 from encoders.tmr.conversion.to_bundle import export_bundle
-from encoders.tmr.model.network import TMR, Config, Tower, TransformerEncoder, group_frames, positions, valid_mask
+from encoders.tmr.model.network import TMR, TMRConfig, Tower, TransformerEncoder, group_frames, positions, valid_mask
 from encoders.tmr.text.language_model import LanguageConfig, LanguageModel, LanguageNetwork
 from encoders.tmr.training.recipe import default_network
 
 Array = NDArray[np.float32]
 Encode = Callable[[Sequence[Array]], Array]
 
-PUBLISHED = Config(decoder=None)
+PUBLISHED = TMRConfig(decoder=None)
 
 
 def plain(encoder: TransformerEncoder) -> Encode:

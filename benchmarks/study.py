@@ -2,8 +2,8 @@
 
     python benchmarks/study.py runs/default docs/study.md --steps 200 --batch 128 --clips 5000 [--only NAME ...]
 
-`runs/default` is a folder of `motionseek model train`, whose made clips are used. Every variant sees the same clips,
-the same batches and the same number of steps; validation is on made clips that none has seen (gallery 1,000).
+`runs/default` is a folder of `motionseek model train`, whose synthetic clips are used. Every variant sees the same
+clips, the same batches and the same number of steps; validation is on held-out synthetic clips (gallery 1,000).
 Variants already in RUN/study are not run again.
 """
 
@@ -30,16 +30,16 @@ _DECODER = Tower(
 )
 PLAIN = Recipe(
     network=replace(_ENCODERS, decoder=_DECODER),
-    weights=losses.Weights(),
+    weights=losses.LossWeights(),
     temperature=0.1,
     learn_temperature=False,
     hard_negatives=0,
-    telling=0.0,
+    hard_negative_weight=0.0,
     unrelated=0,
     sampled=True,
     typical=False,
-    alike=0.0,
-    words_lost=0.0,
+    similar_share=0.0,
+    token_dropout=0.0,
     yaw=0.0,
     tilt=0.0,
     real_share=0.0,
@@ -50,11 +50,11 @@ PLAIN = Recipe(
 VARIANTS = {
     "TMR": PLAIN,
     "TMR without reconstruction": replace(PLAIN, network=replace(PLAIN.network, decoder=None), sampled=False),
-    "margin loss instead of InfoNCE": replace(PLAIN, contrast="margin", weights=losses.Weights(contrastive=0.01)),
-    "TMR without leaving out wrong negatives": replace(PLAIN, filter="none"),
+    "margin loss instead of InfoNCE": replace(PLAIN, contrast="margin", weights=losses.LossWeights(contrastive=0.01)),
+    "TMR without the false-negative mask": replace(PLAIN, filter="none"),
     "TEMOS (no contrastive loss)": replace(PLAIN, contrast="none"),
     "the default recipe": replace(Recipe(), real_share=0.0),
-    "default, false twins from the first step": replace(Recipe(), real_share=0.0, hard_from=0, alike=0.0),
+    "default, hard negatives from the first step": replace(Recipe(), real_share=0.0, hard_from=0, similar_share=0.0),
 }
 COLUMNS = ("strict_R@1", "strict_MedR", "made_R@1", "made_R@10", "swapped")
 
@@ -71,7 +71,7 @@ def main() -> None:
     arguments = parser.parse_args()
     torch.set_num_threads(1)
     shards = [PairStore.load(path) for path in sorted(arguments.run.glob("made-*.npz"))]
-    made = PairStore.joined(shards[: max(1, arguments.clips // len(shards[0]))])
+    synthetic = PairStore.joined(shards[: max(1, arguments.clips // len(shards[0]))])
     validation = PairStore.load(arguments.run / "validation.npz")
     language = LanguageModel.load()
     folder = arguments.run / "study"
@@ -81,7 +81,7 @@ def main() -> None:
         if (place / "figures.json").exists():
             continue
         batches, validate, normaliser = prepare(
-            recipe, made, None, validation, None, unrelated_sentences(600), language, folder
+            recipe, synthetic, None, validation, None, unrelated_sentences(600), language, folder
         )
         model = train(place, recipe, batches, validate, normaliser, every=arguments.steps)
         (place / "figures.json").write_text(json.dumps(validate(model)))
@@ -93,10 +93,11 @@ def main() -> None:
             rows.append(f"| {name} | " + " | ".join(f"{values[c]:.1f}" for c in COLUMNS) + " |")
     arguments.out.write_text(
         "# What each part of the objective is worth\n\n"
-        f"Made by `benchmarks/study.py`: {arguments.steps} steps of {arguments.batch} clips each, {len(made)} made "
-        f"clips, validated on {len(validation)} others; one seed, so small differences are none. Text to motion, whole "
-        "gallery; `strict` counts only the clip itself, `true` every clip of which the sentence is true.\n\n"
-        "| | strict R@1 | strict median rank | true R@1 | true R@10 | swapped told apart |\n|---|---|---|---|---|---|\n"
+        f"Made by `benchmarks/study.py`: {arguments.steps} steps of {arguments.batch} clips each, {len(synthetic)} "
+        f"synthetic clips, validated on {len(validation)} others; one seed, so small differences are none. Text to "
+        "motion, whole gallery; `strict` counts only the clip itself, `true` every clip of which the "
+        "sentence is true.\n\n"
+        "| | strict R@1 | strict median rank | true R@1 | true R@10 | hard negatives |\n|---|---|---|---|---|---|\n"
         + "\n".join(rows)
         + "\n",
         encoding="utf-8",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +20,7 @@ from encoders.tmr.conversion.to_bundle import export_bundle
 from encoders.tmr.model.network import TMR
 from encoders.tmr.model.normaliser import Normaliser
 from encoders.tmr.text.language_model import LanguageModel
+from encoders.tmr.training.checkpoint import read_checkpoint, read_recipe
 from encoders.tmr.training.dataset import unrelated_sentences
 from encoders.tmr.training.recipe import Recipe
 from search.ranking.strength_calibration import calibrate
@@ -100,9 +100,9 @@ def mean_weights(runs: Sequence[Path]) -> tuple[Recipe, dict[str, torch.Tensor],
     """
     recipes, saved, norms = [], [], []
     for run in runs:
-        recipe = Recipe.from_dict(json.loads((run / "recipe.json").read_text(encoding="utf-8")))
+        recipe = read_recipe(run)
         recipes.append(replace(recipe, network=replace(recipe.network, decoder=None)))
-        saved.append(torch.load(run / "last.pt", weights_only=True))
+        saved.append(read_checkpoint(run))
         normaliser = Normaliser.load(run)
         norms.append(np.stack([normaliser.mean, normaliser.std]))
         if recipes[-1].network != recipes[0].network or not np.array_equal(norms[-1], norms[0]):

@@ -33,7 +33,7 @@ def test_pairs_come_out_as_they_went_in() -> None:
 
 
 def test_a_sentence_is_kept_once() -> None:
-    assert sorted(PairStore([MADE, REAL]).texts) == sorted({*MADE.captions, MADE.swapped[1], *REAL.captions})
+    assert sorted(PairStore([MADE, REAL]).texts) == sorted({*MADE.captions, MADE.hard_negatives[1], *REAL.captions})
 
 
 def test_a_store_survives_its_file(tmp_path: Path) -> None:
@@ -44,10 +44,10 @@ def test_a_store_survives_its_file(tmp_path: Path) -> None:
 
 def test_a_file_of_older_pairs_is_refused_if_it_would_be_read_wrongly(tmp_path: Path) -> None:
     store = PairStore([MADE, REAL])
-    store.swapped = [[], []]
+    store.hard_negatives = [[], []]
     store.save(tmp_path / "none.npz")
-    assert all(min(row) < 0 for row in PairStore.load(tmp_path / "none.npz").swapped), "none are still none"
-    store.swapped = [[0] * (len(MADE.captions) + 1), []]
+    assert all(min(row) < 0 for row in PairStore.load(tmp_path / "none.npz").hard_negatives), "none are still none"
+    store.hard_negatives = [[0] * (len(MADE.captions) + 1), []]
     store.save(tmp_path / "old.npz")
     with pytest.raises(MotionSeekError, match="delete it"):
         PairStore.load(tmp_path / "old.npz")

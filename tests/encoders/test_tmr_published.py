@@ -13,8 +13,9 @@ pytestmark = pytest.mark.torch
 
 from encoders.errors import BundleError  # noqa: E402
 from encoders.tmr.conversion import from_published  # noqa: E402
-from encoders.tmr.model.network import TMR, Config, positions, valid_mask  # noqa: E402
+from encoders.tmr.model.network import TMR, TMRConfig, positions, valid_mask  # noqa: E402
 from encoders.tmr.training import losses  # noqa: E402
+from encoders.tmr.training.false_negatives import similar_sentences  # noqa: E402
 
 CLOSE = {"rtol": 0, "atol": 1e-5}
 
@@ -43,6 +44,10 @@ def expected(golden: Path) -> dict:
 
 def tensors(arrays: dict[str, np.ndarray], *names: str) -> list:
     return [torch.from_numpy(arrays[name]) for name in names]
+
+
+def similar(sentences: torch.Tensor, threshold: float) -> torch.Tensor:
+    return torch.from_numpy(similar_sentences(sentences.numpy(), threshold))
 
 
 def close(actual, expected) -> None:
@@ -112,8 +117,8 @@ def terms_of(network: TMR, arrays: dict[str, np.ndarray], mode: str) -> dict:
     return {
         "reconstruction": losses.reconstruction(motion_x, *decoded),
         "kl": losses.kl_terms(text, motion),
-        "latent": losses.nearness(text_latent, motion_latent),
-        "contrastive": losses.contrastive(text_latent, motion_latent, 0.1, losses.similar_sentences(sentences, 0.8)),
+        "latent": losses.latent_loss(text_latent, motion_latent),
+        "contrastive": losses.contrastive(text_latent, motion_latent, 0.1, similar(sentences, 0.8)),
     }
 
 
@@ -167,13 +172,13 @@ def test_infonce_at_every_temperature_and_threshold(loss_inputs, expected):
     text, motion, sentences = tensors(loss_inputs, "sample_mean/t_latents", "sample_mean/m_latents", "sent_emb")
     for case in expected["infonce_on_sample_mean_latents"]:
         filtered = case["sent_emb"] and case["threshold_selfsim"]
-        ignore = losses.similar_sentences(sentences, case["threshold_selfsim"]) if filtered else None
+        ignore = similar(sentences, case["threshold_selfsim"]) if filtered else None
         close(losses.contrastive(text, motion, case["temperature"], ignore), case["loss"])
-    left_out = losses.similar_sentences(sentences, 0.8).nonzero().tolist()
+    left_out = similar(sentences, 0.8).nonzero().tolist()
     assert left_out == expected["masked_pairs_threshold_0.8"]
     identical = sentences[:1].expand_as(sentences)
     close(
-        losses.contrastive(text, motion, 0.1, losses.similar_sentences(identical, 0.8)),
+        losses.contrastive(text, motion, 0.1, similar(identical, 0.8)),
         expected["infonce_all_texts_identical_0.8"],
     )
 
@@ -181,7 +186,7 @@ def test_infonce_at_every_temperature_and_threshold(loss_inputs, expected):
 def test_a_low_threshold_never_leaves_out_the_pair_itself(loss_inputs):
     """Where the published code gives NaN."""
     text, motion, sentences = tensors(loss_inputs, "sample_mean/t_latents", "sample_mean/m_latents", "sent_emb")
-    assert torch.isfinite(losses.contrastive(text, motion, 0.1, losses.similar_sentences(sentences, 0.4)))
+    assert torch.isfinite(losses.contrastive(text, motion, 0.1, similar(sentences, 0.4)))
 
 
 def test_three_steps_of_adamw_follow_the_published_path(golden, loss_inputs, expected):
@@ -189,7 +194,7 @@ def test_three_steps_of_adamw_follow_the_published_path(golden, loss_inputs, exp
     optimiser = torch.optim.AdamW(network.parameters(), lr=1e-4)
     path = []
     for _ in range(4):
-        loss = losses.total(terms_of(network, loss_inputs, "sample_mean"), losses.Weights())
+        loss = losses.total(terms_of(network, loss_inputs, "sample_mean"), losses.LossWeights())
         path.append(loss.item())
         optimiser.zero_grad()
         loss.backward()
@@ -199,7 +204,7 @@ def test_three_steps_of_adamw_follow_the_published_path(golden, loss_inputs, exp
 
 def test_the_default_sizes_are_the_published_models_tensors(golden):
     shapes = json.loads((golden / "published_shapes.json").read_text())["shapes"]
-    network = TMR(Config())
+    network = TMR(TMRConfig())
     for module, tensors_of in shapes.items():
         ours = {name: list(tensor.shape) for name, tensor in getattr(network, module).state_dict().items()}
         assert ours == tensors_of

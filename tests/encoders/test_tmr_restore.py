@@ -17,21 +17,21 @@ from encoders.errors import BundleError  # noqa: E402
 from encoders.features.registry import FEATURE_KINDS  # noqa: E402
 from encoders.tmr.conversion.from_bundle import restore  # noqa: E402
 from encoders.tmr.conversion.to_bundle import export_bundle  # noqa: E402
-from encoders.tmr.model.network import TMR, Config, Tower  # noqa: E402
+from encoders.tmr.model.network import TMR, TMRConfig, Tower  # noqa: E402
 from encoders.tmr.model.padding import pad  # noqa: E402
 from encoders.tmr.training.recipe import default_network  # noqa: E402
 from tests.encoders.tiny_bundle import tiny_language  # noqa: E402
 
 KIND = FEATURE_KINDS["body"]
-CONFIG = Config(
+CONFIG = TMRConfig(
     motion=Tower(KIND.size, width=24, layers=2, heads=3, feedforward=100, frames_per_token=4),
-    text=Tower(64, width=32, layers=1, heads=2, feedforward=64, gist=48),
+    text=Tower(64, width=32, layers=1, heads=2, feedforward=64, sentence_head=48),
     decoder=None,
     latent=20,
 )
 
 
-def exported(folder: Path, weights: str, config: Config = CONFIG) -> tuple[TMR, Bundle]:
+def exported(folder: Path, weights: str, config: TMRConfig = CONFIG) -> tuple[TMR, Bundle]:
     torch.manual_seed(0)
     model = TMR(config).eval()
     rng = np.random.default_rng(0)
@@ -68,11 +68,11 @@ def test_motions_lie_where_the_bundle_puts_them(tmp_path: Path) -> None:
 
 
 def test_a_gist_that_the_bundle_lacks_begins_anew(tmp_path: Path) -> None:
-    plain = replace(CONFIG, text=replace(CONFIG.text, gist=0))
+    plain = replace(CONFIG, text=replace(CONFIG.text, sentence_head=0))
     torch.manual_seed(1)
     exported(tmp_path / "bundle", "float32", plain)
     model, _ = restore(tmp_path / "bundle", CONFIG)
-    assert model.text_encoder.gist is not None
+    assert model.text_encoder.sentence_head is not None
     again, _ = restore(tmp_path / "bundle", plain)
     for name, value in again.state_dict().items():
         assert torch.equal(model.state_dict()[name], value)

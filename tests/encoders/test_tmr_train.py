@@ -14,11 +14,11 @@ torch = pytest.importorskip("torch")
 pytestmark = pytest.mark.torch
 
 from encoders.errors import MotionSeekError  # noqa: E402
-from encoders.tmr.model.network import Config, Tower  # noqa: E402
+from encoders.tmr.model.network import TMRConfig, Tower  # noqa: E402
 from encoders.tmr.model.padding import pad  # noqa: E402
 from encoders.tmr.training.batches import Batches  # noqa: E402
 from encoders.tmr.training.loop import Trainer, learning_rate  # noqa: E402
-from encoders.tmr.training.losses import contrastive, telling_apart  # noqa: E402
+from encoders.tmr.training.losses import contrastive, hard_negative_loss  # noqa: E402
 from encoders.tmr.training.pairs import Pair, PairStore  # noqa: E402
 from encoders.tmr.training.pipeline import prepare  # noqa: E402
 from encoders.tmr.training.recipe import Recipe  # noqa: E402
@@ -27,7 +27,7 @@ KINDS, FEATURES, WIDTH = 8, 6, 8
 UNRELATED = ("a cheap spreadsheet", "lorem ipsum")
 SMALL = {"width": 16, "layers": 1, "heads": 2, "feedforward": 24, "dropout": 0.0}
 RECIPE = Recipe(
-    network=Config(
+    network=TMRConfig(
         motion=Tower(features=FEATURES, **SMALL),
         text=Tower(features=WIDTH, **SMALL),
         decoder=Tower(features=FEATURES, **SMALL),
@@ -84,7 +84,7 @@ def test_it_learns_to_tell_the_motions_of_a_batch_apart(prepared, tmp_path: Path
     """Far below the loss of a model to which all motions and sentences are the same."""
     batch = prepared[0].draw(np.random.default_rng(0))
     same = contrastive(torch.ones(len(batch.texts), 2), torch.ones(16, 2), 0.1, batch.ignore)
-    knowing_nothing = same.item() + RECIPE.telling * np.log(2)
+    knowing_nothing = same.item() + RECIPE.hard_negative_weight * np.log(2)
     trainer = Trainer(tmp_path / "run", replace(RECIPE, rate=3e-3), SimpleNamespace(draw=lambda rng, hard: batch))
     losses = [trainer._advance()["contrastive"] for _ in range(RECIPE.steps)]
     assert losses[0] > 0.9 * knowing_nothing
@@ -111,28 +111,29 @@ def test_a_run_that_was_stopped_ends_as_one_that_was_not(prepared, tmp_path: Pat
         assert torch.equal(value, whole.state_dict()[name]), name
 
 
-def test_at_last_the_gist_alone_learns(prepared, tmp_path: Path) -> None:
+def test_head_finetuning_changes_the_sentence_head_alone(prepared, tmp_path: Path) -> None:
     batches, _, _ = prepared
-    network = replace(RECIPE.network, decoder=None, text=replace(RECIPE.network.text, gist=16))
-    recipe = replace(RECIPE, network=network, steps=10, weights=replace(RECIPE.weights, gist=0.0))
+    network = replace(RECIPE.network, decoder=None, text=replace(RECIPE.network.text, sentence_head=16))
+    recipe = replace(RECIPE, network=network, steps=10, weights=replace(RECIPE.weights, sentence_head=0.0))
     before, after = (
-        Trainer(tmp_path / str(steps), replace(recipe, gist_steps=steps), batches).run(say=str) for steps in (0, 60)
+        Trainer(tmp_path / str(steps), replace(recipe, head_steps=steps), batches).run(say=str) for steps in (0, 60)
     )
     changed = {n for n, value in after.state_dict().items() if not torch.equal(value, before.state_dict()[n])}
-    assert changed == {n for n in after.state_dict() if ".gist." in n}
+    assert changed == {n for n in after.state_dict() if ".sentence_head." in n}
     batch = batches.draw(np.random.default_rng(3), hard=False)
     with torch.inference_mode():
         motion = after.motion_encoder.mean(*pad(batch.motions))
         loss = [
-            contrastive(m.text_encoder.gist(*pad(batch.texts)), motion, 0.07, batch.ignore) for m in (before, after)
+            contrastive(m.text_encoder.sentence_head(*pad(batch.texts)), motion, 0.07, batch.ignore)
+            for m in (before, after)
         ]
     assert loss[1] < 0.8 * loss[0]
 
 
-def test_a_finished_run_is_not_taught_again(prepared, tmp_path: Path) -> None:
+def test_the_head_of_a_finished_run_is_not_finetuned_again(prepared, tmp_path: Path) -> None:
     batches, _, _ = prepared
-    network = replace(RECIPE.network, decoder=None, text=replace(RECIPE.network.text, gist=16))
-    recipe = replace(RECIPE, network=network, steps=2, gist_steps=3)
+    network = replace(RECIPE.network, decoder=None, text=replace(RECIPE.network.text, sentence_head=16))
+    recipe = replace(RECIPE, network=network, steps=2, head_steps=3)
     once, twice = (Trainer(tmp_path / "run", recipe, batches).run(say=str).state_dict() for _ in range(2))
     assert all(torch.equal(once[name], twice[name]) for name in once)
 
@@ -148,13 +149,13 @@ def test_clips_that_lie_near_each_other_come_together(prepared) -> None:
     """Twelve of the same kind where alike ones are drawn; by chance they would be a handful."""
     batches, _, _ = prepared
     texts = {text: i for i, text in enumerate(batches.all_texts)}
-    batches = Batches(store(40, 0), None, (), batches.tokens, texts, batches.normaliser, RECIPE)
+    batches = Batches(store(40, 0), None, UNRELATED, batches.tokens, texts, batches.normaliser, RECIPE)
     kinds = np.arange(40 * KINDS) % KINDS
-    drawn = [np.bincount(kinds[batches._made(16, np.random.default_rng(i), True)]).max() for i in range(20)]
-    batches.places = np.eye(KINDS, dtype=np.float32)[kinds]
-    together = [np.bincount(kinds[batches._made(16, np.random.default_rng(i), True)]).max() for i in range(20)]
+    drawn = [np.bincount(kinds[batches.draw(np.random.default_rng(i)).picked]).max() for i in range(20)]
+    batches.embeddings = np.eye(KINDS, dtype=np.float32)[kinds]
+    together = [np.bincount(kinds[batches.draw(np.random.default_rng(i)).picked]).max() for i in range(20)]
     assert max(drawn) < min(together)
-    assert len(batches._made(16, np.random.default_rng(0), True)) == 16
+    assert len(batches.draw(np.random.default_rng(0)).picked) == 16
 
 
 def test_a_recipe_survives_json() -> None:
@@ -167,15 +168,15 @@ def test_a_recipe_knows_its_choices(wrong: dict[str, str]) -> None:
         replace(RECIPE, **wrong)
 
 
-def test_pairs_that_may_be_right_are_left_out_and_wrong_ones_are_not(prepared) -> None:
+def test_false_negatives_are_masked_and_negatives_are_not(prepared) -> None:
     batches: Batches = prepared[0]
     recipe = RECIPE
     batch = batches.draw(np.random.default_rng(0))
     ignore = batch.ignore.numpy()
-    assert ignore.shape == (recipe.batch + len(batch.swapped) + recipe.unrelated, recipe.batch)
+    assert ignore.shape == (recipe.batch + len(batch.owners) + recipe.unrelated, recipe.batch)
     assert not ignore[-recipe.unrelated :].any(), "what is about other things is wrong for every motion"
-    hard = ignore[recipe.batch : recipe.batch + len(batch.swapped)]
-    assert [np.flatnonzero(~row).tolist() for row in hard] == [[i] for i in batch.swapped.tolist()]
+    hard = ignore[recipe.batch : recipe.batch + len(batch.owners)]
+    assert [np.flatnonzero(~row).tolist() for row in hard] == [[i] for i in batch.owners.tolist()]
     says_little = [i for i, row in enumerate(ignore[: recipe.batch]) if row.all()]
     assert says_little, "'moves' is true of every motion"
     assert not ignore[: recipe.batch].all()
@@ -195,8 +196,8 @@ def test_no_gradient_flows_through_a_pair_that_is_left_out() -> None:
 def test_a_sentence_with_one_thing_changed_is_pushed_away_from_its_motion() -> None:
     motion = torch.eye(2)
     own, far = torch.tensor([[1.0, 0.0], [0.0, 1.0]]), torch.tensor([[0.0, 1.0]])
-    told = telling_apart(torch.cat((own, far)), motion, torch.tensor([0]), torch.tensor(0.1))
-    mistaken = telling_apart(torch.cat((own.flip(0), own[:1])), motion, torch.tensor([0]), torch.tensor(0.1))
+    told = hard_negative_loss(torch.cat((own, far)), motion, torch.tensor([0]), torch.tensor(0.1))
+    mistaken = hard_negative_loss(torch.cat((own.flip(0), own[:1])), motion, torch.tensor([0]), torch.tensor(0.1))
     assert told < 0.01 < mistaken
 
 

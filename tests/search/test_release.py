@@ -13,16 +13,16 @@ torch = pytest.importorskip("torch")
 pytestmark = pytest.mark.torch
 
 from encoders.errors import MotionSeekError  # noqa: E402
-from encoders.tmr.model.network import TMR, Config, Tower  # noqa: E402
+from encoders.tmr.model.network import TMR, TMRConfig, Tower  # noqa: E402
 from encoders.tmr.training.recipe import Recipe  # noqa: E402
 from search.cli.commands.train import initial_model  # noqa: E402
 from search.release import mean_weights  # noqa: E402
 
 SMALL = {"width": 8, "layers": 1, "heads": 2, "feedforward": 8}
-NETWORK = Config(Tower(6, **SMALL), Tower(4, **SMALL), decoder=None, latent=4)
+NETWORK = TMRConfig(Tower(6, **SMALL), Tower(4, **SMALL), decoder=None, latent=4)
 
 
-def finished(folder: Path, value: float, network: Config = NETWORK, deviation: float = 1.0, step: int = 7) -> Path:
+def finished(folder: Path, value: float, network: TMRConfig = NETWORK, deviation: float = 1.0, step: int = 7) -> Path:
     """A run that ended at a step with every weight at `value`."""
     folder.mkdir()
     (folder / "recipe.json").write_text(json.dumps(Recipe(network=network).to_dict()), "utf-8")

@@ -1,4 +1,4 @@
-"""A bundle becomes a trainable TMR again, to go on from: its graphs' weights, read in the order they were written in.
+"""A bundle becomes a trainable TMR again, to fine-tune: its graphs' weights, read in the order they were written in.
 
 Weights that were stored as int8 come back as the nearest of 255 steps, which moves vectors by less than 1e-4.
 """
@@ -17,16 +17,16 @@ from torch import nn
 
 from encoders.bundle.manifest import MOTION, TEXT, read_manifest
 from encoders.errors import BundleError
-from encoders.tmr.model.network import TMR, Attention, Config, EncoderLayer, TransformerEncoder
+from encoders.tmr.model.network import TMR, EncoderLayer, MultiHeadAttention, TMRConfig, TransformerEncoder
 from encoders.tmr.model.normaliser import Normaliser
 
 Array = NDArray[np.float32]
 
 
-def restore(folder: Path, config: Config) -> tuple[TMR, Normaliser]:
+def restore(folder: Path, config: TMRConfig) -> tuple[TMR, Normaliser]:
     """The encoders of the bundle in `folder`, with its normaliser.
 
-    What it does not hold begins anew: a decoder always, a gist where the bundle has none.
+    What it does not hold begins anew: a decoder always, a sentence head where the bundle has none.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def restore(folder: Path, config: Config) -> tuple[TMR, Normaliser]:
     read_manifest(folder)
     model = TMR(config)
     try:
-        motion, text = (_Weights(onnx.load(folder / name)) for name in (MOTION, TEXT))
+        motion, text = (_GraphWeights(onnx.load(folder / name)) for name in (MOTION, TEXT))
         _fill(model.motion_encoder, motion)
         _fill(model.text_encoder, text)
         mean, inverse = motion.first("Sub"), motion.first("Mul")
@@ -46,7 +46,7 @@ def restore(folder: Path, config: Config) -> tuple[TMR, Normaliser]:
     return model, Normaliser(mean=mean, std=(1 / inverse).astype(np.float32))
 
 
-class _Weights:
+class _GraphWeights:
     """The constants of a graph, by the kind of node that uses them, in order."""
 
     def __init__(self, model: onnx.ModelProto) -> None:
@@ -84,17 +84,18 @@ class _Weights:
         raise LookupError(f"{name} is no constant")
 
 
-def _fill(encoder: TransformerEncoder, weights: _Weights) -> None:
-    """Put a graph's weights into an encoder, which is the last thing in its graph; before it stands the gist."""
+def _fill(encoder: TransformerEncoder, weights: _GraphWeights) -> None:
+    """Put a graph's weights into an encoder: the last nodes of its graph, after those of the sentence head."""
     matrices, scales = weights.of("Gemm", 2), weights.of("LayerNormalization", 2)
     linears = list(_matrices(encoder))
-    gist = [] if encoder.gist is None else [encoder.gist.widen, encoder.gist.mix, encoder.gist.narrow]
+    head = encoder.sentence_head
+    above = [] if head is None else [head.widen, head.mix, head.narrow]
     norms = [norm for layer in _layers(encoder) for norm in (layer.norm1, layer.norm2)]
     if len(linears) > len(matrices) or len(norms) > len(scales):
         raise ValueError("it has fewer layers")
-    before = matrices[-len(linears) - len(gist) : -len(linears)]
-    if gist and [weight.shape for weight, _ in before] == [tuple(linear.weight.shape) for linear in gist]:
-        linears = [*((linear.weight, linear.bias) for linear in gist), *linears]
+    before = matrices[-len(linears) - len(above) : -len(linears)]
+    if above and [weight.shape for weight, _ in before] == [tuple(linear.weight.shape) for linear in above]:
+        linears = [*((linear.weight, linear.bias) for linear in above), *linears]
     with torch.no_grad():
         encoder.tokens.copy_(_tensor(weights.learned))
         stored = [*matrices[-len(linears) :], *scales[-len(norms) :]]
@@ -110,7 +111,7 @@ def _layers(encoder: TransformerEncoder) -> list[EncoderLayer]:
 
 
 def _matrices(encoder: TransformerEncoder) -> Iterator[tuple[torch.Tensor, torch.Tensor]]:
-    """Every matrix with its bias, but the gist's, in the order in which a graph computes them."""
+    """Every matrix with its bias, but the sentence head's, in the order in which a graph computes them."""
     yield encoder.projection.weight, encoder.projection.bias
     for layer in _layers(encoder):
         attention = layer.self_attn
@@ -121,7 +122,7 @@ def _matrices(encoder: TransformerEncoder) -> Iterator[tuple[torch.Tensor, torch
         yield encoder.to_latent.weight, encoder.to_latent.bias
 
 
-def _unscale(attention: Attention) -> None:
+def _unscale(attention: MultiHeadAttention) -> None:
     """Queries, which a graph holds divided by the root of a head's width, as the network wants them."""
     width = attention.out_proj.in_features
     for stored in (attention.in_proj_weight, attention.in_proj_bias):

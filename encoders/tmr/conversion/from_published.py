@@ -18,28 +18,28 @@ import torch
 from numpy.typing import NDArray
 
 from encoders.errors import BundleError
-from encoders.tmr.model.network import TMR, Config, Tower
-from encoders.tmr.training.losses import Weights
+from encoders.tmr.model.network import TMR, TMRConfig, Tower
+from encoders.tmr.training.losses import LossWeights
 
 MODULES = ("motion_encoder", "text_encoder", "motion_decoder")
 
 
-def read_config(run: Path) -> Config:
+def read_config(run: Path) -> TMRConfig:
     """The sizes that a run's config.json states; raises BundleError where it is no such file."""
     model = _read_model(run)
     try:
         motion, text, decoder = (_tower(model[name]) for name in MODULES)
-        return Config(motion=motion, text=text, decoder=decoder, latent=model["motion_encoder"]["latent_dim"])
+        return TMRConfig(motion=motion, text=text, decoder=decoder, latent=model["motion_encoder"]["latent_dim"])
     except (KeyError, TypeError, ValueError) as error:
         raise BundleError(f"{run / 'config.json'}: not the configuration of a TMR run ({error})") from error
 
 
-def read_weights(run: Path) -> tuple[Weights, float, float]:
+def read_weights(run: Path) -> tuple[LossWeights, float, float]:
     """What a run's config.json says of the objective: weights of the terms, temperature, threshold of the filter."""
     model = _read_model(run)
     try:
         lmd = model["lmd"]
-        weights = Weights(
+        weights = LossWeights(
             reconstruction=lmd["recons"], kl=lmd["kl"], latent=lmd["latent"], contrastive=lmd["contrastive"]
         )
         return weights, model["temperature"], model["threshold_selfsim"]

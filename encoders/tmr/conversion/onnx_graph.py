@@ -33,7 +33,7 @@ _BLOCK = 64
 _MASKED = -1e9
 
 
-class Graph:
+class GraphBuilder:
     """An ONNX graph in the making; every method adds nodes and gives the name of what they compute."""
 
     def __init__(self, *, int8: bool) -> None:
@@ -89,7 +89,7 @@ class Graph:
         return self.add("Gemm", x, self.matrix(weight), self.constant(bias.detach().numpy(), np.float32), transB=1)
 
     def norm(self, x: str, layer: nn.LayerNorm) -> str:
-        """Layer normalisation over the last axis."""
+        """TransformerLayer normalisation over the last axis."""
         scale, bias = (self.constant(p.detach().numpy(), np.float32) for p in (layer.weight, layer.bias))
         return self.add("LayerNormalization", x, scale, bias, epsilon=layer.eps)
 
@@ -123,7 +123,7 @@ class Graph:
 
 
 @dataclass(frozen=True)
-class _Layer:
+class _LayerWeights:
     """The weights of a post-norm transformer layer, wherever they come from; queries are scaled by 1 / sqrt(d)."""
 
     heads: int
@@ -137,7 +137,7 @@ class _Layer:
     norm2: nn.LayerNorm
 
     @classmethod
-    def of(cls, layer: nn.Module) -> _Layer:
+    def of(cls, layer: nn.Module) -> _LayerWeights:
         if isinstance(layer, EncoderLayer):
             attention, heads = layer.self_attn, layer.self_attn.heads
             weights, biases = attention.in_proj_weight.chunk(3), attention.in_proj_bias.chunk(3)
@@ -160,7 +160,7 @@ def motion_graph(
 
     mean, std : (F,) of the features.
     """
-    graph = Graph(int8=int8)
+    graph = GraphBuilder(int8=int8)
     inverse = (1 / (np.asarray(std, np.float64) + 1e-12)).astype(np.float32)
     x = graph.add("Sub", "features", graph.constant(mean, np.float32))
     x = graph.add("Mul", x, graph.constant(inverse, np.float32))
@@ -180,7 +180,7 @@ def text_graph(
 
     max_tokens : the most tokens a sentence may have; the table of positions ends there.
     """
-    graph = Graph(int8=int8)
+    graph = GraphBuilder(int8=int8)
     lengths = graph.add("ReduceSum", "attention_mask", graph.constant([1]), keepdims=0)
     batch, tokens = graph.size("input_ids", 0), graph.size("input_ids", 1)
     places = graph.add(
@@ -194,36 +194,36 @@ def text_graph(
     x = graph.add("Reshape", x, graph.constant([-1, language.config.width]))
     bias = _key_bias(graph, lengths, tokens)
     for layer in language.layers:
-        x = _layer(graph, _Layer.of(layer), x, batch, bias)
+        x = _layer(graph, _LayerWeights.of(layer), x, batch, bias)
     x = graph.add("Reshape", x, graph.shape(batch, tokens, language.config.width))
-    gist = None if encoder.gist is None else _gist(graph, encoder.gist, x, lengths, tokens)
+    head = None if encoder.sentence_head is None else _sentence_head(graph, encoder.sentence_head, x, lengths, tokens)
     latent = _encode(graph, encoder, x, lengths)
-    if gist is not None:
-        latent = graph.add("Add", _unit(graph, latent), _unit(graph, gist))
+    if head is not None:
+        latent = graph.add("Add", _unit(graph, latent), _unit(graph, head))
     names = ("input_ids", "attention_mask")
     return graph.model(
         "text_encoder", {name: (TensorProto.INT64, ["batch", "tokens"]) for name in names}, latent, encoder.latent
     )
 
 
-def _gist(graph: Graph, gist: SentenceHead, x: str, lengths: str, tokens: str) -> str:
-    """What `encoders.tmr.model.network.Gist` makes of x (batch, tokens, F), of which `lengths` (batch,) count."""
+def _sentence_head(graph: GraphBuilder, head: SentenceHead, x: str, lengths: str, tokens: str) -> str:
+    """`encoders.tmr.model.network.SentenceHead` of x (batch, tokens, F), of which `lengths` (batch,) count."""
     valid = graph.add("Unsqueeze", _valid(graph, lengths, tokens), graph.constant([2]))
     x = graph.add(
         "ReduceSum", graph.add("Where", valid, x, graph.constant(0, np.float32)), graph.constant([1]), keepdims=0
     )
-    x = graph.add("Mul", _unit(graph, x), graph.constant(gist.widen.in_features**0.5, np.float32))
-    for layer in (gist.widen, gist.mix):
+    x = graph.add("Mul", _unit(graph, x), graph.constant(head.widen.in_features**0.5, np.float32))
+    for layer in (head.widen, head.mix):
         x = graph.add("Gelu", graph.linear(x, layer.weight, layer.bias))
-    return graph.linear(x, gist.narrow.weight, gist.narrow.bias)
+    return graph.linear(x, head.narrow.weight, head.narrow.bias)
 
 
-def _unit(graph: Graph, x: str) -> str:
+def _unit(graph: GraphBuilder, x: str) -> str:
     """Rows of x (N, D) made unit vectors."""
     return str(graph.add("Div", x, graph.add("ReduceL2", x, graph.constant([1]), keepdims=1)))
 
 
-def _grouped(graph: Graph, x: str, size: int, features: int) -> tuple[str, str]:
+def _grouped(graph: GraphBuilder, x: str, size: int, features: int) -> tuple[str, str]:
     """Frames (batch, T, F) stacked `size` to a token, zeros past the end; tokens and their number a row."""
     if size == 1:
         return x, "lengths"
@@ -237,20 +237,20 @@ def _grouped(graph: Graph, x: str, size: int, features: int) -> tuple[str, str]:
     return x, graph.add("Div", rounded, graph.constant(size))
 
 
-def _valid(graph: Graph, lengths: str, size: str) -> str:
+def _valid(graph: GraphBuilder, lengths: str, size: str) -> str:
     """Boolean (batch, size): the first `lengths` places of each row."""
     places = graph.add("Range", graph.constant(0), graph.add("Squeeze", size), graph.constant(1))
     return graph.add("Less", places, graph.add("Unsqueeze", lengths, graph.constant([1])))
 
 
-def _key_bias(graph: Graph, lengths: str, size: str) -> str:
+def _key_bias(graph: GraphBuilder, lengths: str, size: str) -> str:
     """What attention adds to a key's score, (batch, 1, 1, size): nothing, or so little that it never counts."""
     zero, masked = graph.constant(0, np.float32), graph.constant(_MASKED, np.float32)
     bias = graph.add("Where", _valid(graph, lengths, size), zero, masked)
     return graph.add("Unsqueeze", bias, graph.constant([1, 2]))
 
 
-def _encode(graph: Graph, encoder: TransformerEncoder, x: str, lengths: str) -> str:
+def _encode(graph: GraphBuilder, encoder: TransformerEncoder, x: str, lengths: str) -> str:
     """An ACTOR-style encoder's mu from tokens (batch, L, F) of which `lengths` (batch,) count."""
     width = encoder.tower.width
     batch, given = graph.size(x, 0), graph.size(x, 1)
@@ -263,7 +263,7 @@ def _encode(graph: Graph, encoder: TransformerEncoder, x: str, lengths: str) -> 
     x = graph.add("Add", x, _positions(graph, tokens, width))
     x = graph.add("Reshape", x, graph.constant([-1, width]))
     bias = _key_bias(graph, graph.add("Add", lengths, graph.constant(2)), tokens)
-    *layers, last = (_Layer.of(layer) for layer in encoder.seqTransEncoder.layers)
+    *layers, last = (_LayerWeights.of(layer) for layer in encoder.seqTransEncoder.layers)
     for layer in layers:
         x = _layer(graph, layer, x, batch, bias)
     x = _last_layer(graph, last, x, batch, bias)
@@ -272,7 +272,7 @@ def _encode(graph: Graph, encoder: TransformerEncoder, x: str, lengths: str) -> 
     return x
 
 
-def _positions(graph: Graph, count: str, width: int) -> str:
+def _positions(graph: GraphBuilder, count: str, width: int) -> str:
     """Sinusoidal positions (count, width), as `encoders.tmr.model.network.positions`."""
     rates = np.exp(np.arange(0, width, 2, dtype=np.float32) * np.float32(-math.log(10000.0) / width))
     places = graph.add("Range", graph.constant(0), graph.add("Squeeze", count), graph.constant(1))
@@ -282,20 +282,20 @@ def _positions(graph: Graph, count: str, width: int) -> str:
     return graph.add("Reshape", waves, graph.constant([-1, width]))
 
 
-def _layer(graph: Graph, layer: _Layer, x: str, batch: str, bias: str) -> str:
+def _layer(graph: GraphBuilder, layer: _LayerWeights, x: str, batch: str, bias: str) -> str:
     """A post-norm transformer layer over tokens (batch * tokens, width)."""
     return _finish(graph, layer, x, _attend(graph, layer, x, x, batch, bias))
 
 
-def _last_layer(graph: Graph, layer: _Layer, x: str, batch: str, bias: str) -> str:
+def _last_layer(graph: GraphBuilder, layer: _LayerWeights, x: str, batch: str, bias: str) -> str:
     """The same, but only for each sequence's first token: (batch * tokens, width) -> (batch, width)."""
     rows = graph.add("Reshape", x, graph.shape(batch, -1, layer.out.in_features))
     first = graph.add("Gather", rows, graph.constant(0), axis=1)
     return _finish(graph, layer, first, _attend(graph, layer, first, x, batch, bias))
 
 
-def _attend(graph: Graph, layer: _Layer, x: str, memory: str, batch: str, bias: str) -> str:
-    """Attention of x (batch * any, width) to memory (batch * tokens, width): like x, before its projection."""
+def _attend(graph: GraphBuilder, layer: _LayerWeights, x: str, memory: str, batch: str, bias: str) -> str:
+    """MultiHeadAttention of x (batch * any, width) to memory (batch * tokens, width): like x, before its projection."""
     split = graph.shape(batch, -1, layer.heads, layer.out.in_features // layer.heads)
     query, key, value = (
         graph.add("Transpose", graph.add("Reshape", graph.linear(source, *weights), split), perm=perm)
@@ -310,7 +310,7 @@ def _attend(graph: Graph, layer: _Layer, x: str, memory: str, batch: str, bias: 
     return str(graph.add("Reshape", mixed, graph.constant([-1, layer.out.in_features])))
 
 
-def _finish(graph: Graph, layer: _Layer, x: str, mixed: str) -> str:
+def _finish(graph: GraphBuilder, layer: _LayerWeights, x: str, mixed: str) -> str:
     """What follows attention: projection, residual, norm, feed-forward, residual, norm."""
     x = graph.norm(graph.add("Add", x, graph.linear(mixed, layer.out.weight, layer.out.bias)), layer.norm1)
     wide = graph.add("Gelu", graph.linear(x, layer.widen.weight, layer.widen.bias))

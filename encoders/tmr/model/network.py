@@ -3,7 +3,7 @@
 After Petrovich, Black and Varol, "TMR: Text-to-Motion Retrieval Using Contrastive 3D Human Motion Synthesis"
 (ICCV 2023), which takes its networks from TEMOS and ACTOR. Modules carry the names of the published tensors, so
 published weights load strictly. What TMR does not have is off by default: several frames a token, a latent whose size
-differs from the width of the network, and a second reading of a sentence as a whole, `SentenceHead`.
+differs from the width of the network, and a head on the mean of a sentence's tokens, `SentenceHead`.
 
 Two things are computed differently and give the same: an encoder's last layer is only computed for the tokens
 that are read, and attention to the decoder's memory, which is one token, is that token's value.
@@ -25,7 +25,7 @@ from torch import Tensor, nn
 class Tower:
     """Sizes of one encoder or of the decoder; the defaults are those of published TMR.
 
-    `gist` is the width of the perceptron that reads a sequence as a whole, 0 for none.
+    `sentence_head` is the width of the perceptron on the mean of a sequence, 0 for none.
     """
 
     features: int
@@ -35,7 +35,7 @@ class Tower:
     feedforward: int = 1024
     dropout: float = 0.1
     frames_per_token: int = 1
-    gist: int = 0
+    sentence_head: int = 0
 
     def __post_init__(self) -> None:
         if self.width % self.heads or self.width % 2:
@@ -45,7 +45,7 @@ class Tower:
 
 
 @dataclass(frozen=True)
-class Config:
+class TMRConfig:
     """A whole TMR: both encoders, the decoder (None: no reconstruction) and the size of the space they share."""
 
     motion: Tower = field(default_factory=lambda: Tower(features=263))
@@ -58,7 +58,7 @@ class Config:
         return asdict(self)
 
     @classmethod
-    def from_dict(cls, values: Mapping[str, Any]) -> Config:
+    def from_dict(cls, values: Mapping[str, Any]) -> TMRConfig:
         """Inverse of `to_dict`."""
         decoder = values["decoder"]
         return cls(
@@ -93,7 +93,7 @@ def positions(count: int, width: int, device: torch.device | None = None) -> Ten
     return torch.stack((torch.sin(angles), torch.cos(angles)), dim=-1).reshape(count, width)
 
 
-class Dropout(nn.Module):
+class ByteDropout(nn.Module):
     """As `nn.Dropout`, with a chance in 256ths: random bytes are quicker to draw than random decisions."""
 
     def __init__(self, chance: float) -> None:
@@ -109,7 +109,7 @@ class Dropout(nn.Module):
         return x * (kept.to(x.device, x.dtype) * (256 / (256 - self.dropped)))
 
 
-class Attention(nn.Module):
+class MultiHeadAttention(nn.Module):
     """Multi-head attention with the tensors of `nn.MultiheadAttention`, exportable at any batch and length."""
 
     def __init__(self, width: int, heads: int, dropout: float) -> None:
@@ -148,24 +148,24 @@ class Attention(nn.Module):
         return x.unflatten(-1, (self.heads, -1)).transpose(1, 2)
 
 
-class Layer(nn.Module):
+class TransformerLayer(nn.Module):
     """What encoder and decoder layers share: post-norm self-attention and a feed-forward network with exact GELU."""
 
     def __init__(self, tower: Tower) -> None:
         super().__init__()
-        self.self_attn = Attention(tower.width, tower.heads, tower.dropout)
+        self.self_attn = MultiHeadAttention(tower.width, tower.heads, tower.dropout)
         self.linear1 = nn.Linear(tower.width, tower.feedforward)
         self.linear2 = nn.Linear(tower.feedforward, tower.width)
         self.norm1 = nn.LayerNorm(tower.width)
         self.norm2 = nn.LayerNorm(tower.width)
-        self.dropout = Dropout(tower.dropout)
+        self.dropout = ByteDropout(tower.dropout)
 
     def feed(self, x: Tensor) -> Tensor:
         """The position-wise network."""
         return self.dropout(self.linear2(self.dropout(F.gelu(self.linear1(x)))))
 
 
-class EncoderLayer(Layer):
+class EncoderLayer(TransformerLayer):
     """Named as `nn.TransformerEncoderLayer`."""
 
     def forward(self, x: Tensor, mask: Tensor, keep: int | None = None) -> Tensor:
@@ -174,12 +174,12 @@ class EncoderLayer(Layer):
         return self.norm2(x + self.feed(x))
 
 
-class DecoderLayer(Layer):
+class DecoderLayer(TransformerLayer):
     """Named as `nn.TransformerDecoderLayer`; its memory is a single token."""
 
     def __init__(self, tower: Tower) -> None:
         super().__init__(tower)
-        self.multihead_attn = Attention(tower.width, tower.heads, tower.dropout)
+        self.multihead_attn = MultiHeadAttention(tower.width, tower.heads, tower.dropout)
         self.norm3 = nn.LayerNorm(tower.width)
 
     def forward(self, x: Tensor, mask: Tensor, memory: Tensor) -> Tensor:
@@ -189,27 +189,27 @@ class DecoderLayer(Layer):
         return self.norm3(x + self.feed(x))
 
 
-class Stack(nn.Module):
+class LayerStack(nn.Module):
     """Layers under the name `layers`, as torch's transformer containers hold them."""
 
-    def __init__(self, layers: Iterable[Layer]) -> None:
+    def __init__(self, layers: Iterable[TransformerLayer]) -> None:
         super().__init__()
         self.layers = nn.ModuleList(layers)
 
 
 class SentenceHead(nn.Module):
-    """A sequence's mean feature -> a latent, through a perceptron that knows no order.
+    """A sequence's mean feature -> a latent, through a perceptron without regard to order.
 
-    The mean of a language model's tokens is what it was taught to compare sentences by: it is read well in words that
-    training never met, where the encoder is surer of who does what when. So both are read, and their directions added.
+    Sentence embeddings are trained as means of tokens: this head generalises to words that training never met, where
+    the token head is better at who does what when. The embedding is the sum of both directions.
     """
 
     def __init__(self, tower: Tower, latent: int) -> None:
         super().__init__()
-        self.widen = nn.Linear(tower.features, tower.gist)
-        self.mix = nn.Linear(tower.gist, tower.gist)
-        self.narrow = nn.Linear(tower.gist, latent)
-        self.dropout = Dropout(tower.dropout)
+        self.widen = nn.Linear(tower.features, tower.sentence_head)
+        self.mix = nn.Linear(tower.sentence_head, tower.sentence_head)
+        self.narrow = nn.Linear(tower.sentence_head, latent)
+        self.dropout = ByteDropout(tower.dropout)
 
     def forward(self, x: Tensor, mask: Tensor) -> Tensor:
         """Features (B, T, F), valid where mask (B, T) is True -> (B, latent)."""
@@ -228,10 +228,10 @@ class TransformerEncoder(nn.Module):
         self.latent = latent
         self.tokens = nn.Parameter(torch.randn(2, tower.width))
         self.projection = nn.Linear(tower.features * tower.frames_per_token, tower.width)
-        self.seqTransEncoder = Stack(EncoderLayer(tower) for _ in range(tower.layers))
-        self.dropout = Dropout(tower.dropout)
+        self.seqTransEncoder = LayerStack(EncoderLayer(tower) for _ in range(tower.layers))
+        self.dropout = ByteDropout(tower.dropout)
         self.to_latent = nn.Identity() if latent == tower.width else nn.Linear(tower.width, latent)
-        self.gist = SentenceHead(tower, latent) if tower.gist else None
+        self.sentence_head = SentenceHead(tower, latent) if tower.sentence_head else None
 
     def forward(self, x: Tensor, mask: Tensor) -> Gaussian:
         """Features (B, T, F), valid where mask (B, T) is True -> Gaussian over (B, latent)."""
@@ -239,9 +239,11 @@ class TransformerEncoder(nn.Module):
         return Gaussian(mu, logvar)
 
     def mean(self, x: Tensor, mask: Tensor) -> Tensor:
-        """The embedding (B, latent): mu, or the sum of its direction and that of the gist."""
+        """The embedding (B, latent): mu, or the sum of its direction and that of the sentence head."""
         mu = self._read(x, mask, tokens=1)[:, 0]
-        return mu if self.gist is None else F.normalize(mu, dim=-1) + F.normalize(self.gist(x, mask), dim=-1)
+        if self.sentence_head is None:
+            return mu
+        return F.normalize(mu, dim=-1) + F.normalize(self.sentence_head(x, mask), dim=-1)
 
     def _read(self, x: Tensor, mask: Tensor, tokens: int) -> Tensor:
         x, mask = group_frames(x, mask, self.tower.frames_per_token)
@@ -259,9 +261,9 @@ class Decoder(nn.Module):
     def __init__(self, tower: Tower, latent: int) -> None:
         super().__init__()
         self.tower = tower
-        self.seqTransDecoder = Stack(DecoderLayer(tower) for _ in range(tower.layers))
+        self.seqTransDecoder = LayerStack(DecoderLayer(tower) for _ in range(tower.layers))
         self.final_layer = nn.Linear(tower.width, tower.features * tower.frames_per_token)
-        self.dropout = Dropout(tower.dropout)
+        self.dropout = ByteDropout(tower.dropout)
         self.from_latent = nn.Identity() if latent == tower.width else nn.Linear(latent, tower.width)
 
     def forward(self, latent: Tensor, mask: Tensor) -> Tensor:
@@ -297,7 +299,7 @@ def group_frames(x: Tensor, mask: Tensor, size: int) -> tuple[Tensor, Tensor]:
 class TMR(nn.Module):
     """Both encoders and the decoder, under the names of the published modules."""
 
-    def __init__(self, config: Config) -> None:
+    def __init__(self, config: TMRConfig) -> None:
         super().__init__()
         self.config = config
         self.motion_encoder = TransformerEncoder(config.motion, config.latent)

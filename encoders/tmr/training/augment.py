@@ -1,4 +1,4 @@
-"""Features of the same movement as another capture would have recorded it."""
+"""Augmentation of features: random rotation and pose jitter."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _UPPER_VECTORS = np.concatenate(
 
 
 def random_rotation(features: Array, rng: Generator, yaw: float, tilt: float) -> Array:
-    """`body` features (T, 96) in a frame that is off by a small random rotation, the same all along.
+    """`body` features (T, 96) rotated a little at random, the same in all frames.
 
     Rigs and performers differ in what is straight ahead, and floors in what is up: people asked to walk straight go
     up to five degrees aside of where their hips point (5th and 95th percentile of the CMU takes). `yaw` and `tilt` are
@@ -45,18 +45,18 @@ def random_rotation(features: Array, rng: Generator, yaw: float, tilt: float) ->
     return moved
 
 
-def pose_jitter(features: Array, rng: Generator, posture: float) -> Array:
-    """`body` features (T, 96) of somebody who carries arms and trunk otherwise, and swings the arms more or less.
+def pose_jitter(features: Array, rng: Generator, degrees: float) -> Array:
+    """`body` features (T, 96) with a constant offset of arms and trunk, and a larger or smaller arm swing.
 
-    Trunk, upper arms and forearms are turned by small random rotations, the same all along: of `posture` degrees about
-    each axis for limbs and half of that for the trunk (standard deviations). How far a limb goes from its mean
-    direction is changed by a factor whose logarithm has `posture` in radians as its standard deviation. Legs stay.
+    Trunk, upper arms and forearms are rotated at random about each axis, the same in all frames: by `degrees` for limbs
+    and half of that for the trunk (standard deviations). The deviation of a limb from its mean direction is scaled by a
+    factor whose logarithm has `degrees`, in radians, as its standard deviation. Legs stay.
     """
     moved = features.copy()
-    degrees = rng.normal(0.0, posture, (5, 3))
-    degrees[0] *= (0.5, 0.0, 0.5)  # chest against hips is seldom a habit
-    trunk, *arms = _rotations(degrees)
-    gain = np.float32(np.exp(rng.normal(0.0, np.radians(posture))))
+    angles = rng.normal(0.0, degrees, (5, 3))
+    angles[0] *= (0.5, 0.0, 0.5)  # a constant twist of the chest against the hips is rare
+    trunk, *arms = _rotations(angles)
+    gain = np.float32(np.exp(rng.normal(0.0, np.radians(degrees))))
     moved[:, _UPPER_VECTORS] = features[:, _UPPER_VECTORS] @ trunk.T
     for (shoulder, elbow, wrist), upper, lower in zip(_ARMS, arms[::2], arms[1::2], strict=True):
         upper_arm = _limb(moved, shoulder, elbow, upper, gain)

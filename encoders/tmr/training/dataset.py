@@ -1,4 +1,4 @@
-"""What a training run is fed with: made clips in shards, real clips, and token features of all their sentences."""
+"""The data of a training run: synthetic clips in shards, real clips and out-of-domain sentences."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def synthetic_store(
     held_out: HeldOutSentences,
     gaits: float = 0.0,
 ) -> PairStore:
-    """`count` made clips, from `path` if they are there, else made and kept there; `gaits`: share that just go."""
+    """`count` synthetic clips, from `path` if it is there, else saved there; `gaits`: share of locomotion alone."""
     if not path.exists():
         clips = synthetic_clips(
             seed, count, FEATURE_KINDS[kind], sentences=sentences, gait_share=gaits, held_out=held_out
@@ -57,7 +57,7 @@ def synthetic_stores(
     jobs: int | None = None,
     say: Callable[[str], None] = print,
 ) -> PairStore:
-    """`count` made clips in shards, made side by side; what is there is used again."""
+    """`count` synthetic clips in shards, synthesised in parallel; shards that are there are used again."""
     shards = -(-count // SHARD)
     jobs = jobs or os.cpu_count() or 1
     folder.mkdir(parents=True, exist_ok=True)
@@ -65,14 +65,15 @@ def synthetic_stores(
     missing = [(path, seed + i) for i, path in enumerate(paths) if not path.exists()]
     if missing:
         with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-            tasks = [pool.submit(_make_shard, path, s, kind, tuple(sentences), held_out, gaits) for path, s in missing]
+            rest = kind, tuple(sentences), held_out, gaits
+            tasks = [pool.submit(_synthesise_shard, path, s, *rest) for path, s in missing]
             for done, task in enumerate(tasks, 1):
                 task.result()
-                say(f"made {done * SHARD} of {len(missing) * SHARD} clips")
+                say(f"synthesised {done * SHARD} of {len(missing) * SHARD} clips")
     return PairStore.joined([PairStore.load(path) for path in paths])
 
 
-def _make_shard(
+def _synthesise_shard(
     path: Path, seed: int, kind: str, sentences: Sequence[str], held_out: HeldOutSentences, gaits: float
 ) -> None:
     synthetic_store(path, seed, SHARD, kind, sentences, held_out, gaits)
@@ -81,37 +82,42 @@ def _make_shard(
 def real_store(
     takes: Iterable[CaptionedTake], kind: FeatureKind, *, varied: bool, held_out: HeldOutSentences, recombine: int = 0
 ) -> PairStore:
-    """Pairs of captioned takes, and so many new ones put together from their pieces."""
+    """Pairs of captioned takes, and `recombine` more by compositional augmentation."""
     takes = list(takes)
     own = ((Pair(x, captions), None) for take in takes for x, captions in real_clips(take, kind, varied=varied))
     new = (
-        (Pair(kind.compute(x.motion), x.captions, swapped=x.hard_negatives), x.scene)
+        (Pair(kind.compute(x.motion), x.captions, hard_negatives=x.hard_negatives), x.scene)
         for x in augmented_clips(takes, recombine, np.random.default_rng(TRAINING))
     )
     rng = np.random.default_rng(TRAINING)
     allowed = ((kept, scene) for pair, scene in chain(own, new) if (kept := _without(pair, held_out)).captions)
-    return PairStore(_without(_retold(pair, scene, rng), held_out) if varied else pair for pair, scene in allowed)
+    return PairStore(_without(_augmented(pair, scene, rng), held_out) if varied else pair for pair, scene in allowed)
 
 
-def _retold(pair: Pair, scene: Scene | None, rng: np.random.Generator) -> Pair:
-    """The pair with what its captions say as facts, and in other words, too, where one is understood."""
-    retold = augment_captions(pair.captions, rng, scene=scene)
-    if retold is None:
+def _augmented(pair: Pair, scene: Scene | None, rng: np.random.Generator) -> Pair:
+    """The pair with paraphrases and the facts of its captions, where one can be parsed."""
+    augmented = augment_captions(pair.captions, rng, scene=scene)
+    if augmented is None:
         return pair
-    twins = (*(pair.swapped or ("",) * len(pair.captions)), *retold.hard_negatives)
-    return Pair(pair.features, (*pair.captions, *retold.captions), retold.meanings, retold.facts, twins)
+    negatives = (*(pair.hard_negatives or ("",) * len(pair.captions)), *augmented.hard_negatives)
+    return Pair(pair.features, (*pair.captions, *augmented.captions), augmented.meanings, augmented.facts, negatives)
 
 
 def _without(pair: Pair, held_out: HeldOutSentences) -> Pair:
-    """The pair without the captions that are held out, and without their false twins."""
+    """The pair without the captions that are held out, and without their hard negatives."""
     kept = [i for i, caption in enumerate(pair.captions) if not held_out(caption)]
-    swapped = tuple("" if held_out(pair.swapped[i]) else pair.swapped[i] for i in kept) if pair.swapped else ()
+    negatives = ["" if held_out(negative) else negative for negative in pair.hard_negatives]
     meanings = None if pair.meanings is None else tuple(pair.meanings[i] for i in kept)
-    return replace(pair, captions=tuple(pair.captions[i] for i in kept), meanings=meanings, swapped=swapped)
+    return replace(
+        pair,
+        captions=tuple(pair.captions[i] for i in kept),
+        meanings=meanings,
+        hard_negatives=tuple(negatives[i] for i in kept) if negatives else (),
+    )
 
 
 def unrelated_sentences(count: int, seed: int = 0) -> list[str]:
-    """Distinct sentences about anything but motion."""
+    """Distinct out-of-domain sentences."""
     rng = np.random.default_rng(seed)
     found = dict.fromkeys(unrelated_sentence(rng) for _ in range(2 * count))
     return list(found)[:count]

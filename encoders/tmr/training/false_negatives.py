@@ -1,4 +1,4 @@
-"""Which pairs of a batch are no negatives: the sentence is, or may well be, true of a motion it was not written for."""
+"""The false-negative mask: pairs of a batch whose caption is, or may be, true of a motion it was not written for."""
 
 from __future__ import annotations
 
@@ -13,49 +13,66 @@ from encoders.tmr.text.token_features import TokenTable
 from encoders.tmr.training.pairs import PairStore, sides_conflict
 from encoders.tmr.training.recipe import Recipe
 
-Picks = Sequence[tuple[PairStore, int]]
+Picks = Sequence[tuple[int, int]]
 Members = list[list[int]]
+
+#: Numbers of the stores that a batch is drawn from.
+SYNTHETIC, REAL = 0, 1
 
 
 class FalseNegativeMask:
-    """Knows what clips show and sentences state, by facts where these are known and else by the sentences' likeness."""
+    """Masks pairs by the facts that clips show and captions state, else by the similarity of the captions.
 
-    def __init__(self, made: PairStore, real: PairStore | None, tokens: TokenTable, recipe: Recipe) -> None:
-        self.made, self.tokens, self.recipe = made, tokens, recipe
-        vocabulary = list(dict.fromkeys([*made.vocabulary, *(real.vocabulary if real else ())]))
+    `stores` are the synthetic pairs and, where there are any, the real ones.
+    """
+
+    def __init__(self, stores: Sequence[PairStore], tokens: TokenTable, recipe: Recipe) -> None:
+        self._tokens, self._recipe, self._stores = tokens, recipe, stores
+        vocabulary = list(dict.fromkeys(fact for store in stores for fact in store.vocabulary))
         index = {fact: i for i, fact in enumerate(vocabulary)}
-        self.size, self.untold = len(vocabulary), Underspecified(vocabulary)
-        self.stated = {id(store): _meanings(store, index) for store in (made, real) if store}
-        self.facts = {id(store): _facts(store, index) for store in (made, real) if store}
-        self.shown = {**self.facts, **({id(real): _possible(self.facts[id(real)], vocabulary)} if real else {})}
+        self._size, self._underspecified = len(vocabulary), Underspecified(vocabulary)
+        self._stated = [_meanings(store, index) for store in stores]
+        self._facts = [_facts(store, index) for store in stores]
+        self._possible = [_possible(facts, vocabulary) if i == REAL else facts for i, facts in enumerate(self._facts)]
 
     def __call__(
-        self, picks: Picks, chosen: Sequence[int], texts: Sequence[int], words: Sequence[str]
+        self, picks: Picks, chosen: Sequence[int], texts: Sequence[int], captions: Sequence[str]
     ) -> NDArray[np.bool_]:
-        """Boolean (sentences, motions) of pairs that count neither way.
+        """Boolean (captions, motions), True for pairs to mask.
 
         Parameters
         ----------
-        picks : a store and an index of each motion
+        picks : the number of the store and the index of each motion
         chosen : which of its captions each motion comes with
-        texts, words : the captions, as rows of the token table and as they are written
+        texts, captions : these captions, as rows of the token table and as they are written
         """
         ignore = np.zeros((len(picks), len(picks)), bool)
-        rows = np.array([r for r, (store, i) in enumerate(picks) if store.facts[i] is not None], np.int64)
+        rows = np.array([r for r, (s, i) in enumerate(picks) if self._stores[s].facts[i] is not None], np.int64)
         if len(rows):
-            known = [(id(picks[r][0]), picks[r][1], chosen[r]) for r in rows]
-            meanings = [self.stated[store][i][c] for store, i, c in known]
-            true = entailment_of_indices(meanings, [self.shown[store][i] for store, i, _ in known], self.size)
-            if self.recipe.typical:
-                true &= ~self.untold(meanings, [self.facts[store][i] for store, i, _ in known])
+            known = [(*picks[r], chosen[r]) for r in rows]
+            meanings = [self._stated[s][i][c] for s, i, c in known]
+            true = entailment_of_indices(meanings, [self._possible[s][i] for s, i, _ in known], self._size)
+            if self._recipe.typical:
+                true &= ~self._underspecified(meanings, [self._facts[s][i] for s, i, _ in known])
             ignore[np.ix_(rows, rows)] = true
-        made = np.array([store is self.made for store, _ in picks])
-        involved = ~(made[:, None] & made[None, :])
-        sentences = self.tokens.sentences[list(texts)]
-        near = sentences @ sentences.T > 2 * self.recipe.similarity - 1
-        ignore |= near & involved & ~sides_conflict(words)
+        real = np.array([s == REAL for s, _ in picks])
+        similar = similar_sentences(self._tokens.sentences[list(texts)], self._recipe.similarity)
+        ignore |= similar & (real[:, None] | real[None, :]) & ~sides_conflict(captions)
         same = np.array(texts)[:, None] == np.array(texts)[None, :]
         return np.asarray(ignore | same, np.bool_)
+
+
+def similar_sentences(embeddings: NDArray[np.float32], threshold: float = 0.8) -> NDArray[np.bool_]:
+    """TMR's filter of false negatives: pairs (B, B) of sentences that say nearly the same.
+
+    Parameters
+    ----------
+    embeddings : (B, E)
+        Unit vectors of the captions.
+    threshold : float
+        On the (1 + cosine) / 2 scale; 0.8 is a cosine of 0.6. The diagonal is never True.
+    """
+    return (embeddings @ embeddings.T > 2 * threshold - 1) & ~np.eye(len(embeddings), dtype=np.bool_)
 
 
 def _meanings(store: PairStore, index: Mapping[str, int]) -> list[Members]:
@@ -70,7 +87,7 @@ def _facts(store: PairStore, index: Mapping[str, int]) -> Members:
 
 
 def _possible(facts: Members, vocabulary: Sequence[str]) -> Members:
-    """Facts with all particulars of their actions of which nothing is told: people leave out most of what they see."""
+    """Facts with all attributes of their actions that no caption states: people leave out most of what they see."""
     particulars: dict[str, list[tuple[str, int]]] = defaultdict(list)
     for i, fact in enumerate(vocabulary):
         action, _, particular = fact.partition(".")
@@ -79,7 +96,7 @@ def _possible(facts: Members, vocabulary: Sequence[str]) -> Members:
     widened = []
     for members in facts:
         names = {vocabulary[f] for f in members}
-        told = {name.partition("=")[0] for name in names if "=" in name}
-        untold = [i for name in names for field, i in particulars.get(name, ()) if field not in told]
-        widened.append([*members, *untold])
+        stated = {name.partition("=")[0] for name in names if "=" in name}
+        unstated = [i for name in names for field, i in particulars.get(name, ()) if field not in stated]
+        widened.append([*members, *unstated])
     return widened

@@ -1,7 +1,7 @@
-"""The last lesson of a training run: the gist alone learns, from motions that stay where the encoders have put them.
+"""Head fine-tuning: at the end of a run the sentence head is trained alone, on fixed embeddings of motions.
 
-Beside everything else it learns slowly. Alone it is a small perceptron over sentence means, so that thousands of steps
-take minutes.
+Trained along with the encoders it converges slowly. Alone it is a small perceptron on sentence means: thousands of
+steps take minutes.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import torch
 from encoders.tmr.model.network import TMR
 from encoders.tmr.model.padding import pad
 from encoders.tmr.training.batches import Batches
-from encoders.tmr.training.embed import embed_motions
 from encoders.tmr.training.objective import contrast
 from encoders.tmr.training.recipe import Recipe
 
@@ -21,31 +20,28 @@ _WARMUP = 0.02
 
 
 def finetune_head(model: TMR, batches: Batches, temperature: float, recipe: Recipe) -> None:
-    """Train the gist of a model for `recipe.gist_steps`, in place; what the model says otherwise stays.
+    """Train the sentence head of a model for `recipe.head_steps`, in place; all other weights stay.
 
-    Its weights at the end are their running mean, as those of the run.
+    Its final weights are their running mean, as for the run.
     """
-    gist = model.text_encoder.gist
-    assert gist is not None
-    gist.requires_grad_(True).train()
+    head = model.text_encoder.sentence_head
+    assert head is not None
+    head.requires_grad_(True).train()
     rng, tau = np.random.default_rng(recipe.seed), torch.tensor(temperature)
-    motions = batches.place(model)
-    if batches.real:
-        real = embed_motions(model, batches.real, batches.normaliser, recipe.max_frames)
-        motions = np.concatenate([motions, real])
-    optimiser = torch.optim.AdamW(gist.parameters(), lr=recipe.rate, weight_decay=recipe.decay, betas=(0.9, 0.98))
+    motions = torch.from_numpy(batches.embed(model))
+    optimiser = torch.optim.AdamW(head.parameters(), lr=recipe.rate, weight_decay=recipe.decay, betas=(0.9, 0.98))
     schedule = torch.optim.lr_scheduler.OneCycleLR(
-        optimiser, recipe.rate, total_steps=recipe.gist_steps, pct_start=_WARMUP, div_factor=20, cycle_momentum=False
+        optimiser, recipe.rate, total_steps=recipe.head_steps, pct_start=_WARMUP, div_factor=20, cycle_momentum=False
     )
-    average = {name: value.detach().clone() for name, value in gist.state_dict().items()}
-    for _ in range(recipe.gist_steps):
+    average = {name: value.detach().clone() for name, value in head.state_dict().items()}
+    for _ in range(recipe.head_steps):
         batch = batches.draw(rng)
-        loss = contrast(gist(*pad(batch.texts)), torch.from_numpy(motions[batch.picked]), tau, batch, recipe)
+        loss = contrast(head(*pad(batch.texts)), motions[batch.picked], tau, batch, recipe)
         optimiser.zero_grad()
         loss.backward()
         optimiser.step()
         schedule.step()
-        for name, value in gist.state_dict().items():
+        for name, value in head.state_dict().items():
             average[name].lerp_(value, 1 - recipe.averaging)
-    gist.load_state_dict(average)
-    gist.requires_grad_(False).eval()
+    head.load_state_dict(average)
+    head.requires_grad_(False).eval()

@@ -16,12 +16,13 @@ from encoders.errors import MotionSeekError
 from encoders.tmr.model.network import TMR
 from encoders.tmr.training import losses
 from encoders.tmr.training.batches import Batches
+from encoders.tmr.training.checkpoint import read_checkpoint, read_recipe
 from encoders.tmr.training.head_finetuning import finetune_head
 from encoders.tmr.training.objective import step_losses
 from encoders.tmr.training.recipe import Recipe
 
-#: Steps after which clips are placed anew by the model as it then is.
-_PLACED_EVERY = 600
+#: Steps after which the synthetic clips are embedded again with the model as it then is.
+_EMBED_EVERY = 600
 
 
 def learning_rate(step: int, recipe: Recipe) -> float:
@@ -56,7 +57,7 @@ class Trainer:
             lr=recipe.rate,
             betas=(0.9, 0.98),
         )
-        self.step, self.taught = 0, False
+        self.step, self.head_finetuned = 0, False
         folder.mkdir(parents=True, exist_ok=True)
         if (folder / "last.pt").exists():
             self._restore()
@@ -82,9 +83,9 @@ class Trainer:
                     log.write(json.dumps(row) + "\n")
                 say("  ".join(f"{k} {v:.4g}" for k, v in row.items()))
                 self._save()
-        lesson = self.recipe.gist_steps and self.model.text_encoder.gist is not None
-        if lesson and not self.taught and self.step == self.recipe.steps:
-            self._teach()
+        has_head = self.recipe.head_steps and self.model.text_encoder.sentence_head is not None
+        if has_head and not self.head_finetuned and self.step == self.recipe.steps:
+            self._finetune_head()
             if evaluate is not None:
                 say("  ".join(f"{k} {v:.4g}" for k, v in evaluate(self.averaged()).items()))
         self._save()
@@ -102,8 +103,8 @@ class Trainer:
         for group in self.optimiser.param_groups:
             group["lr"] = learning_rate(self.step, recipe)
         hard = self.step >= recipe.hard_from
-        if hard and recipe.alike:
-            self._place()
+        if hard and recipe.similar_share and (self.batches.embeddings is None or self.step % _EMBED_EVERY == 0):
+            self.batches.embed_synthetic(self.averaged())
         batch = self.batches.draw(self.rng, hard=hard)
         with torch.autocast("cpu", dtype=torch.bfloat16, enabled=recipe.bf16):
             terms = step_losses(self.model, self.log_temperature, batch, recipe)
@@ -124,42 +125,37 @@ class Trainer:
         self.step += 1
         return {k: v.item() for k, v in terms.items()} | {"temperature": self.log_temperature.exp().item()}
 
-    def _teach(self) -> None:
-        """The last lesson, of the averaged weights."""
+    def _finetune_head(self) -> None:
+        """Head fine-tuning, of the averaged weights."""
         model = self.averaged()
         finetune_head(model, self.batches, self.log_temperature.exp().item(), self.recipe)
         self.average = model.state_dict()
-        self.taught = True
-
-    def _place(self) -> None:
-        """Let batches know what the model finds alike, now and then."""
-        if self.batches.places is None or self.step % _PLACED_EVERY == 0:
-            self.batches.place(self.averaged())
+        self.head_finetuned = True
 
     def _save(self) -> None:
         partial = self.folder / "last.partial"
         torch.save(
             {
                 "step": self.step,
-                "taught": self.taught,
+                "taught": self.head_finetuned,
                 "model": self.model.state_dict(),
                 "average": self.average,
                 "log_temperature": self.log_temperature.detach(),
                 "optimiser": self.optimiser.state_dict(),
                 "numpy_rng": json.dumps(self.rng.bit_generator.state),
                 "torch_rng": torch.get_rng_state(),
-                "places": None if self.batches.places is None else torch.from_numpy(self.batches.places),
+                "places": None if self.batches.embeddings is None else torch.from_numpy(self.batches.embeddings),
             },
             partial,
         )
         os.replace(partial, self.folder / "last.pt")
 
     def _restore(self) -> None:
-        begun = Recipe.from_dict(json.loads((self.folder / "recipe.json").read_text(encoding="utf-8")))
+        begun = read_recipe(self.folder)
         if begun.network != self.recipe.network:
             raise MotionSeekError(f"{self.folder}: was begun with another network; train it in a folder of its own")
-        saved = torch.load(self.folder / "last.pt", weights_only=True)
-        self.step, self.taught = saved["step"], saved.get("taught", False)
+        saved = read_checkpoint(self.folder)
+        self.step, self.head_finetuned = saved["step"], saved.get("taught", False)
         self.model.load_state_dict(saved["model"])
         self.average = saved["average"]
         with torch.no_grad():
@@ -167,6 +163,6 @@ class Trainer:
         self.optimiser.load_state_dict(saved["optimiser"])
         self.rng.bit_generator.state = json.loads(saved["numpy_rng"])
         torch.set_rng_state(saved["torch_rng"])
-        places = saved.get("places")
-        if places is not None and len(places) == len(self.batches.made):  # other clips have to be placed anew
-            self.batches.places = places.numpy()
+        embeddings = saved.get("places")
+        if embeddings is not None and len(embeddings) == len(self.batches.synthetic):  # else clips of another run
+            self.batches.embeddings = embeddings.numpy()

@@ -1,5 +1,5 @@
-"""TMR's losses: reconstruction, four KL terms, nearness of the latents, and InfoNCE without wrong negatives;
-beside them the ranking loss before TMR, and telling a sentence from its changed twin.
+"""TMR's losses: reconstruction, four KL terms, distance of the latents, and InfoNCE with a false-negative mask;
+beside them the ranking loss before TMR, and the hard-negative loss.
 
 Formulas (4.1)-(4.3) and (5.1) of Petrovich's thesis, averaged as the published code averages them: over all
 elements, padding included (there both sides are zero).
@@ -17,14 +17,14 @@ from encoders.tmr.model.network import Gaussian
 
 
 @dataclass(frozen=True)
-class Weights:
-    """What each term counts in the sum; the defaults are those of published TMR."""
+class LossWeights:
+    """Weights of the terms in the sum; the defaults are those of published TMR."""
 
     reconstruction: float = 1.0
     kl: float = 1e-5
     latent: float = 1e-5
     contrastive: float = 0.1
-    gist: float = 0.5
+    sentence_head: float = 0.5
 
 
 def reconstruction(target: Tensor, *decoded: Tensor) -> Tensor:
@@ -45,23 +45,9 @@ def kl_terms(text: Gaussian, motion: Gaussian) -> Tensor:
     return kl(text, motion) + kl(motion, text) + kl(motion, standard) + kl(text, standard)
 
 
-def nearness(text: Tensor, motion: Tensor) -> Tensor:
+def latent_loss(text: Tensor, motion: Tensor) -> Tensor:
     """Smooth L1 between the latents (B, D) of the two sides."""
     return F.smooth_l1_loss(text, motion)
-
-
-def similar_sentences(embeddings: Tensor, threshold: float = 0.8) -> Tensor:
-    """Pairs that are no true negatives: boolean (B, B), True where two sentences say nearly the same.
-
-    Parameters
-    ----------
-    embeddings : (B, E)
-        Unit vectors of the captions.
-    threshold : float
-        On the (1 + cosine) / 2 scale; 0.8 is a cosine of 0.6. The diagonal is never True.
-    """
-    similar = embeddings @ embeddings.T > 2 * threshold - 1
-    return similar & ~torch.eye(len(embeddings), dtype=torch.bool, device=embeddings.device)
 
 
 def contrastive(text: Tensor, motion: Tensor, temperature: float | Tensor, ignore: Tensor | None = None) -> Tensor:
@@ -98,24 +84,24 @@ def margin(text: Tensor, motion: Tensor, distance: float = 10.0) -> Tensor:
     return (own**2).mean() + (F.relu(distance - other) ** 2).mean()
 
 
-def telling_apart(text: Tensor, motion: Tensor, swapped: Tensor, temperature: float | Tensor) -> Tensor:
-    """Cross-entropy of choosing, for a motion, its own sentence over the one with a single thing changed.
+def hard_negative_loss(text: Tensor, motion: Tensor, owners: Tensor, temperature: float | Tensor) -> Tensor:
+    """Cross-entropy of choosing, for a motion, its own caption over a hard negative of it.
 
     Parameters
     ----------
     text : (B + E, D)
-        The S changed sentences right after the motions' own.
+        The S hard negatives right after the motions' own captions.
     motion : (B, D)
-    swapped : (S,)
-        The motion of which each changed sentence is nearly, yet not, true.
+    owners : (S,)
+        The motion of each hard negative.
     """
     count = len(motion)
-    motion = F.normalize(motion[swapped], dim=-1)
-    own = (F.normalize(text[swapped], dim=-1) * motion).sum(-1)
-    other = (F.normalize(text[count : count + len(swapped)], dim=-1) * motion).sum(-1)
+    motion = F.normalize(motion[owners], dim=-1)
+    own = (F.normalize(text[owners], dim=-1) * motion).sum(-1)
+    other = (F.normalize(text[count : count + len(owners)], dim=-1) * motion).sum(-1)
     return F.softplus((other - own) / temperature).mean()
 
 
-def total(terms: dict[str, Tensor], weights: Weights) -> Tensor:
-    """The weighted sum of terms, which are named as the fields of `Weights`."""
+def total(terms: dict[str, Tensor], weights: LossWeights) -> Tensor:
+    """The weighted sum of terms, which are named as the fields of `LossWeights`."""
     return torch.stack([getattr(weights, name) * term for name, term in terms.items()]).sum()

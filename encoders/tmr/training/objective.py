@@ -17,7 +17,7 @@ from encoders.tmr.training.recipe import Recipe
 
 
 def step_losses(model: TMR, log_temperature: Tensor, batch: Batch, recipe: Recipe) -> dict[str, Tensor]:
-    """Every term of TMR's objective on one batch, named as the fields of `losses.Weights`."""
+    """Every term of TMR's objective on one batch, named as the fields of `losses.LossWeights`."""
     count = len(batch.motions)
     motion = encode(model.motion_encoder, batch.motions)
     texts = encode(model.text_encoder, batch.texts)
@@ -29,27 +29,27 @@ def step_losses(model: TMR, log_temperature: Tensor, batch: Batch, recipe: Recip
             (torch.cat((sampled_text, texts.mu[count:])), sampled_motion) if recipe.sampled else (texts.mu, motion.mu)
         )
         terms["contrastive"] = contrast(*sides, log_temperature.exp(), batch, recipe)
-        if model.text_encoder.gist is not None:
-            gist = model.text_encoder.gist(*pad(batch.texts))
-            terms["gist"] = contrast(gist, sides[1], log_temperature.exp(), batch, recipe)
+        if model.text_encoder.sentence_head is not None:
+            head = model.text_encoder.sentence_head(*pad(batch.texts))
+            terms["sentence_head"] = contrast(head, sides[1], log_temperature.exp(), batch, recipe)
     if model.motion_decoder is not None:
         every = max(1, count // recipe.decoded)
         target, mask = pad(batch.motions[::every])
         decoded = [model.motion_decoder(z[::every], mask) for z in (sampled_text, sampled_motion)]
         terms["reconstruction"] = losses.reconstruction(target, *decoded)
         terms["kl"] = losses.kl_terms(text, motion)
-        terms["latent"] = losses.nearness(sampled_text, sampled_motion)
+        terms["latent"] = losses.latent_loss(sampled_text, sampled_motion)
     return terms
 
 
 def contrast(text: Tensor, motion: Tensor, temperature: Tensor, batch: Batch, recipe: Recipe) -> Tensor:
-    """The contrastive term of latents, text (B + E, D) and motion (B, D), with the choice between changed twins."""
+    """The contrastive term of latents, text (B + E, D) and motion (B, D), with the hard-negative loss."""
     if recipe.contrast == "margin":
         term = losses.margin(text, motion)
     else:
         term = losses.contrastive(text, motion, temperature, batch.ignore)
-    if recipe.telling and len(batch.swapped):
-        term = term + recipe.telling * losses.telling_apart(text, motion, batch.swapped, temperature)
+    if recipe.hard_negative_weight and len(batch.owners):
+        term = term + recipe.hard_negative_weight * losses.hard_negative_loss(text, motion, batch.owners, temperature)
     return term
 
 

@@ -16,6 +16,11 @@ from encoders.errors import MotionSeekError
 
 _LEFT, _RIGHT = re.compile(r"\bleft"), re.compile(r"\bright")
 
+#: Key in a file -> attribute of a `PairStore`.
+_STORED = {name: name for name in ("texts", "vocabulary", "captions", "facts", "meanings")} | {
+    "swapped": "hard_negatives"
+}
+
 
 @dataclass(frozen=True)
 class Pair:
@@ -25,9 +30,9 @@ class Pair:
     ----------
     features : float array (T, F)
     captions : sentences that are true of the motion
-    meanings : for each caption the facts it states, or None (real clips of which nothing that is said is understood)
-    facts : everything true of the motion (made clips), or what was said to be (real clips), or None
-    swapped : for each caption one that looks alike but is false (order, side, direction or count changed), or empty;
+    meanings : for each caption the facts it states, or None (real clips whose captions cannot be parsed)
+    facts : everything true of the motion (synthetic clips), or what its captions state (real clips), or None
+    hard_negatives : for each caption a similar one that is false (order, side, direction or count changed), or empty;
         nothing at all where no caption has one
     """
 
@@ -35,7 +40,7 @@ class Pair:
     captions: tuple[str, ...]
     meanings: tuple[frozenset[str], ...] | None = None
     facts: frozenset[str] | None = None
-    swapped: tuple[str, ...] = ()
+    hard_negatives: tuple[str, ...] = ()
 
 
 class PairStore:
@@ -44,7 +49,7 @@ class PairStore:
     Attributes
     ----------
     features : float16 (sum of T, F); offsets : int64 (N + 1)
-    texts : distinct sentences; captions, swapped : for each pair indices into `texts`, -1 for none
+    texts : distinct sentences; captions, hard_negatives : for each pair indices into `texts`, -1 for none
     vocabulary : distinct facts; facts : for each pair indices into it, or None
     meanings : for each pair, for each caption, indices into `vocabulary`
     """
@@ -54,7 +59,7 @@ class PairStore:
         self.texts: list[str] = []
         self.vocabulary: list[str] = []
         self.captions: list[list[int]] = []
-        self.swapped: list[list[int]] = []
+        self.hard_negatives: list[list[int]] = []
         self.facts: list[list[int] | None] = []
         self.meanings: list[list[list[int]] | None] = []
         text_index: dict[str, int] = {}
@@ -64,8 +69,8 @@ class PairStore:
             blocks.append(np.asarray(pair.features, dtype=np.float16))
             lengths.append(len(pair.features))
             self.captions.append([_intern(text, text_index, self.texts) for text in pair.captions])
-            twins = pair.swapped or ("",) * len(pair.captions)
-            self.swapped.append([_intern(text, text_index, self.texts) if text else -1 for text in twins])
+            negatives = pair.hard_negatives or ("",) * len(pair.captions)
+            self.hard_negatives.append([_intern(text, text_index, self.texts) if text else -1 for text in negatives])
             self.facts.append(
                 None if pair.facts is None else [_intern(f, fact_index, self.vocabulary) for f in sorted(pair.facts)]
             )
@@ -91,9 +96,7 @@ class PairStore:
 
     def save(self, path: Path) -> None:
         """Write beside `path` and rename, so that a stopped run leaves no half a store."""
-        words = json.dumps(
-            {name: getattr(self, name) for name in ("texts", "vocabulary", "captions", "swapped", "facts", "meanings")}
-        )
+        words = json.dumps({name: getattr(self, attribute) for name, attribute in _STORED.items()})
         partial = path.with_suffix(".partial.npz")
         np.savez(
             partial, features=self.features, offsets=self.offsets, words=np.frombuffer(words.encode(), dtype=np.uint8)
@@ -107,14 +110,16 @@ class PairStore:
         Raises
         ------
         MotionSeekError
-            If an older version wrote it, to which false sentences belonged to a pair and not to a caption.
+            If an older version wrote it, in which hard negatives belonged to a pair and not to a caption.
         """
         store = cls(())
         with np.load(path, allow_pickle=False) as arrays:
             store.features, store.offsets = arrays["features"], arrays["offsets"]
-            vars(store).update(json.loads(arrays["words"].tobytes()))
-        store.swapped = [s or [-1] * len(c) for s, c in zip(store.swapped, store.captions, strict=True)]
-        if any(len(s) != len(c) for s, c in zip(store.swapped, store.captions, strict=True)):
+            words = json.loads(arrays["words"].tobytes())
+        for name, attribute in _STORED.items():
+            setattr(store, attribute, words[name])
+        store.hard_negatives = [s or [-1] * len(c) for s, c in zip(store.hard_negatives, store.captions, strict=True)]
+        if any(len(s) != len(c) for s, c in zip(store.hard_negatives, store.captions, strict=True)):
             raise MotionSeekError(f"{path}: written by an older motionseek; delete it, and it is made anew")
         return store
 
@@ -132,12 +137,12 @@ class PairStore:
                 tuple(self.texts[t] for t in self.captions[i]),
                 None if meanings is None else tuple(frozenset(self.vocabulary[f] for f in m) for m in meanings),
                 None if facts is None else frozenset(self.vocabulary[f] for f in facts),
-                _false(self.texts, self.swapped[i]),
+                _false(self.texts, self.hard_negatives[i]),
             )
 
 
 def sides_conflict(texts: Sequence[str]) -> NDArray[np.bool_]:
-    """Pairs of sentences (B, B), one saying only left, the other only right: alike but false for each other."""
+    """Pairs of sentences (B, B), one saying only left, the other only right: similar but false for each other."""
     left = np.array([bool(_LEFT.search(t)) for t in texts])
     right = np.array([bool(_RIGHT.search(t)) for t in texts])
     only_left, only_right = left & ~right, right & ~left
@@ -145,9 +150,9 @@ def sides_conflict(texts: Sequence[str]) -> NDArray[np.bool_]:
     return conflict | conflict.T
 
 
-def _false(texts: Sequence[str], twins: Sequence[int]) -> tuple[str, ...]:
-    """The sentences of a row of `swapped`; none at all where all are missing."""
-    return tuple(texts[t] if t >= 0 else "" for t in twins) if any(t >= 0 for t in twins) else ()
+def _false(texts: Sequence[str], negatives: Sequence[int]) -> tuple[str, ...]:
+    """The sentences of a row of `hard_negatives`; none at all where all are missing."""
+    return tuple(texts[t] if t >= 0 else "" for t in negatives) if any(t >= 0 for t in negatives) else ()
 
 
 def _intern(item: str, index: dict[str, int], items: list[str]) -> int:

@@ -1,4 +1,4 @@
-"""A training run from data to a model, validated on made and on real clips it has not seen."""
+"""A training run from data to a model, validated on held-out synthetic and real clips."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from encoders.tmr.training.recipe import Recipe
 class Validation:
     """Pairs a model is validated on while it trains."""
 
-    made: PairStore
+    synthetic: PairStore
     real: PairStore | None
     tokens: TokenTable
     texts: dict[str, int]
@@ -33,11 +33,11 @@ class Validation:
     max_frames: int
 
     def __call__(self, model: TMR) -> dict[str, float]:
-        """R@1 and R@10 on made clips (any clip of which the sentence is true counts), R@1/5/10 on real ones."""
-        return {**self._made(model), **(self._real(model) if self.real else {})}
+        """R@1 and R@10 on synthetic clips (every relevant clip is right), R@1/5/10 on real ones."""
+        return {**self._synthetic(model), **(self._real(model) if self.real else {})}
 
-    def _made(self, model: TMR) -> dict[str, float]:
-        store = self.made
+    def _synthetic(self, model: TMR) -> dict[str, float]:
+        store = self.synthetic
         motions = embed_motions(model, store, self.normaliser, self.max_frames)
         first = [self.texts[store.texts[captions[0]]] for captions in store.captions]
         similarity = embed_texts(model, self.tokens, first) @ motions.T
@@ -52,11 +52,12 @@ class Validation:
             "strict_R@1": 100 * float(np.mean(strict < 1)),
             "strict_MedR": float(np.median(strict)) + 1,
         }
-        changed = [i for i, row in enumerate(store.swapped) if row[0] >= 0]
+        changed = [i for i, row in enumerate(store.hard_negatives) if row[0] >= 0]
         if changed:
-            wrong = embed_texts(model, self.tokens, [self.texts[store.texts[store.swapped[i][0]]] for i in changed])
-            told = np.einsum("nd,nd->n", wrong, motions[changed]) < np.diagonal(similarity)[changed]
-            figures["swapped"] = 100 * float(told.mean())
+            negatives = [self.texts[store.texts[store.hard_negatives[i][0]]] for i in changed]
+            wrong = embed_texts(model, self.tokens, negatives)
+            correct = np.einsum("nd,nd->n", wrong, motions[changed]) < np.diagonal(similarity)[changed]
+            figures["swapped"] = 100 * float(correct.mean())
         return figures
 
     def _real(self, model: TMR) -> dict[str, float]:
@@ -77,9 +78,9 @@ class Validation:
 
 def prepare(
     recipe: Recipe,
-    made: PairStore,
+    synthetic: PairStore,
     real: PairStore | None,
-    validation_made: PairStore,
+    validation_synthetic: PairStore,
     validation_real: PairStore | None,
     unrelated: Sequence[str],
     language: LanguageModel,
@@ -87,16 +88,16 @@ def prepare(
     normaliser: Normaliser | None = None,
 ) -> tuple[Batches, Validation, Normaliser]:
     """Token features, normaliser (where none is given, of these clips), and what draws batches and validates."""
-    stores = [s for s in (made, real, validation_made, validation_real) if s is not None]
+    stores = [s for s in (synthetic, real, validation_synthetic, validation_real) if s is not None]
     texts = {text: i for i, text in enumerate(dict.fromkeys([*unrelated, *(t for s in stores for t in s.texts)]))}
     tokens = TokenTable(list(texts), language, cache, bf16=recipe.bf16)
     if normaliser is None:
-        sources = [made.features] if real is None else [made.features, real.features]
+        sources = [synthetic.features] if real is None else [synthetic.features, real.features]
         normaliser = Normaliser.of(np.concatenate([f[:: max(1, len(f) // 100_000)] for f in sources]))
-    batches = Batches(made, real, unrelated, tokens, texts, normaliser, recipe)
+    batches = Batches(synthetic, real, unrelated, tokens, texts, normaliser, recipe)
     return (
         batches,
-        Validation(validation_made, validation_real, tokens, texts, normaliser, recipe.max_frames),
+        Validation(validation_synthetic, validation_real, tokens, texts, normaliser, recipe.max_frames),
         normaliser,
     )
 
@@ -113,7 +114,7 @@ def train(
     minutes: float = float("inf"),
     say: Callable[[str], None] = print,
 ) -> TMR:
-    """Train (or go on training) in `folder`, a new run from `start`; the normaliser is kept beside the run."""
+    """Train, or resume, the run in `folder`; a new run begins with the weights of `start`."""
     trainer = Trainer(folder, recipe, batches, start)
     normaliser.save(folder)
     return trainer.run(evaluate=validate, every=every, minutes=minutes, say=say)

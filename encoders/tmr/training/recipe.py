@@ -1,8 +1,8 @@
 """The recipe: everything that decides a training run.
 
 Beyond what is published, each switched by a field: a learned temperature, hard negatives (captions with the order,
-side, direction or count changed), sentences about anything but motion as negatives, weight averaging, random crops,
-and a share of real clips in every batch.
+side, direction or count changed), out-of-domain sentences as negatives, weight averaging, random crops, and a share of
+real clips in every batch.
 """
 
 from __future__ import annotations
@@ -11,18 +11,18 @@ from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 from encoders.features.registry import FEATURE_KINDS
-from encoders.tmr.model.network import Config, Tower
-from encoders.tmr.training.losses import Weights
+from encoders.tmr.model.network import TMRConfig, Tower
+from encoders.tmr.training.losses import LossWeights
 
 _CHOICES = {"filter": ("facts", "none"), "contrast": ("infonce", "margin", "none")}
 _FEATURES, _TOKEN_FEATURES = FEATURE_KINDS["body"].size, 384
 
 
-def default_network(features: int = _FEATURES, token_features: int = _TOKEN_FEATURES) -> Config:
+def default_network(features: int = _FEATURES, token_features: int = _TOKEN_FEATURES) -> TMRConfig:
     """The sizes of the default model: encoders a quarter of published TMR's, four frames a token, and no decoder."""
-    return Config(
+    return TMRConfig(
         motion=Tower(features=features, width=256, layers=3, feedforward=768, frames_per_token=4),
-        text=Tower(features=token_features, width=256, layers=2, feedforward=768, gist=1024),
+        text=Tower(features=token_features, width=256, layers=2, feedforward=768, sentence_head=1024),
         decoder=None,
         latent=256,
     )
@@ -35,30 +35,30 @@ class Recipe:
     Attributes
     ----------
     steps, batch, rate, warmup, decay : optimisation (AdamW, linear warm-up, cosine to a twentieth)
-    real_share : share of each batch taken from real clips
-    temperature : of the contrastive term; learned from this start where `learn_temperature`
-    filter : "facts" leaves out pairs known to be no negatives, "none" leaves out nothing
-    typical : a sentence that keeps quiet about a direction, both hands or a special kind stays a negative for it
-    similarity : sentences nearer than this on the (1 + cosine) / 2 scale are no negatives where a real clip is involved
+    real_share : share of real clips in each batch
+    temperature : of the contrastive term; the initial value where `learn_temperature`
+    filter : "facts" masks false negatives, "none" masks nothing
+    typical : an underspecified caption (no direction, side or kind) stays a negative for motions with a salient one
+    similarity : pairs with a real clip whose captions are more similar, on the (1 + cosine) / 2 scale, are masked too
     contrast : "infonce", "margin" (a ranking loss with a random negative) or "none"
-    hard_negatives, unrelated : captions a batch that are negatives for their own clip, or for every clip
-    telling : weight, within the contrastive term, of choosing between a sentence and its changed twin
-    alike : share of the made clips of a batch that come in groups the model finds alike
-    hard_from : step from which clips come in such groups and captions with changed twins; before, they slow learning
-    crop : share of single-action clips of which a random part is shown
+    hard_negatives, unrelated : hard negatives and out-of-domain sentences a batch
+    hard_negative_weight : weight of the hard-negative loss within the contrastive term
+    similar_share : share of the synthetic clips of a batch that come in groups of nearest neighbours
+    hard_from : step from which batches have such groups and hard negatives; earlier they slow learning
+    crop : probability that a clip of one action is cropped at random
     noise, bias : standard deviations of frame noise and of a constant offset a clip, in standardised units
-    yaw, tilt : standard deviations in degrees by which a clip's frame is turned about the vertical, and tilted
-    posture : standard deviation in degrees by which arms and trunk are carried otherwise, a clip
-    words_lost : chance of each word piece to be left out of a sentence
-    averaging : decay of the running mean of weights that is kept
-    gist_steps : steps at the end in which the gist alone learns
+    yaw, tilt : random rotation, standard deviations in degrees about the vertical and about either horizontal axis
+    pose_jitter : standard deviation in degrees of a constant offset of arms and trunk, a clip
+    token_dropout : probability that a token of a sentence is dropped
+    averaging : decay of the running mean of the weights that is kept
+    head_steps : steps of head fine-tuning at the end
     sampled : the contrastive term sees sampled latents, as published, instead of means
     decoded : motions a batch that are reconstructed
-    seed : of weights, batches and the clips that are made
+    seed : of weights, batches and synthetic clips
     """
 
-    network: Config = field(default_factory=default_network)
-    weights: Weights = field(default_factory=lambda: Weights(contrastive=1.0))
+    network: TMRConfig = field(default_factory=default_network)
+    weights: LossWeights = field(default_factory=lambda: LossWeights(contrastive=1.0))
     steps: int = 5400
     batch: int = 192
     rate: float = 1e-3
@@ -72,19 +72,19 @@ class Recipe:
     similarity: float = 0.8
     contrast: str = "infonce"
     hard_negatives: int = 64
-    telling: float = 2.0
+    hard_negative_weight: float = 2.0
     unrelated: int = 8
-    alike: float = 0.5
+    similar_share: float = 0.5
     hard_from: int = 600
     crop: float = 0.5
     noise: float = 0.03
     bias: float = 0.1
     yaw: float = 4.0
     tilt: float = 1.0
-    posture: float = 0.0
-    words_lost: float = 0.05
+    pose_jitter: float = 0.0
+    token_dropout: float = 0.05
     averaging: float = 0.995
-    gist_steps: int = 2500
+    head_steps: int = 2500
     sampled: bool = False
     decoded: int = 64
     max_frames: int = 128
@@ -108,8 +108,8 @@ class Recipe:
     def from_dict(cls, values: dict[str, Any]) -> Recipe:
         """Inverse of `to_dict`."""
         values = dict(values)
-        values["network"] = Config.from_dict(values["network"])
-        values["weights"] = Weights(**values["weights"])
+        values["network"] = TMRConfig.from_dict(values["network"])
+        values["weights"] = LossWeights(**values["weights"])
         return cls(**values)
 
 
