@@ -20,14 +20,14 @@ from encoders.skeleton import INDEX
 _ANKLES = [INDEX["left_ankle"], INDEX["right_ankle"]]
 _TOES = [INDEX["left_foot"], INDEX["right_foot"]]
 
-#: Actions in which feet slide, leave the ground or do not stand on their soles.
+#: Actions in which feet slide, are in the air or do not stand on their soles.
 NOT_STANDING = frozenset(
     {"moonwalk", "ice skate", "ski", "drag leg", "crawl", "army crawl", "roll over", "lie", "swim"}
 )
 
 
 def stance_speeds(clip: SceneClip) -> NDArray[np.float64]:
-    """Horizontal speed (cm/s) of every sole that stands: ankle and toe both within 3 cm of their lowest heights."""
+    """Horizontal speed (cm/s) of every sole in stance: ankle and toe both within 3 cm of their lowest heights."""
     ankles, toes = clip.joints[:, _ANKLES].astype(np.float64), clip.joints[:, _TOES].astype(np.float64)
     low = (ankles[..., 1] < ankles[..., 1].min() + 0.03) & (toes[..., 1] < toes[..., 1].min() + 0.03)
     stands = low[1:] & low[:-1]
@@ -38,7 +38,7 @@ def stance_speeds(clip: SceneClip) -> NDArray[np.float64]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--clips", type=int, default=600)
-    parser.add_argument("--list", action="store_true", help="name every program")
+    parser.add_argument("--list", action="store_true", help="list every program")
     arguments = parser.parse_args()
     actions = programs()
     names = list(actions)
@@ -60,8 +60,8 @@ def main() -> None:
         frames += len(make_clip(scene, np.random.default_rng(seed)).joints)
     wall, cpu = time.perf_counter() - started, time.process_time() - busy
     print(
-        f"{len(scenes)} clips of {frames / 20 / len(scenes):.1f} s on average: {len(scenes) / wall:.0f} clips a second "
-        f"({len(scenes) / cpu:.0f} a second of processor time)"
+        f"{len(scenes)} clips of {frames / 20 / len(scenes):.1f} s on average: {len(scenes) / wall:.0f} clips/s "
+        f"({len(scenes) / cpu:.0f} per second of CPU time)"
     )
     groups: dict[str, list[str]] = defaultdict(list)
     for name, action in actions.items():

@@ -2,9 +2,9 @@
 
     python -m benchmarks.language FILE ... [--captions 5000] [--sentences 5000]
 
-FILE: human sentences, one a line. For each: the share whose verbs the corpus can act out, the share read completely,
-the verbs missing most often. Then words a sentence and vocabulary of our captions against theirs, and phrasings an
-action.
+FILE: human sentences, one per line. Printed for each: the share of sentences whose verbs are known, the share parsed
+completely, and the commonest unknown verbs; the length and vocabulary of generated captions against the human ones; and
+the number of phrases per action.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from encoders.corpus.language.random_scenes import random_scene
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("files", nargs="+", type=Path, help="human sentences, one a line")
-    parser.add_argument("--captions", type=int, default=5000, help="captions of ours to write")
-    parser.add_argument("--sentences", type=int, default=5000, help="human sentences to read of each file; 0: all")
+    parser.add_argument("files", nargs="+", type=Path, help="human sentences, one per line")
+    parser.add_argument("--captions", type=int, default=5000, help="captions to generate")
+    parser.add_argument("--sentences", type=int, default=5000, help="human sentences to parse of each file; 0: all")
     return parser.parse_args()
 
 
@@ -53,17 +53,17 @@ def main() -> None:
             random.Random(0).sample(theirs, arguments.sentences) if 0 < arguments.sentences < len(theirs) else theirs
         )
         found = coverage(shown)
-        print(f"{path.name}: {len(theirs)} sentences, {found.sentences} read")
-        print(f"  main verbs can all be acted out  {found.verbs_known:6.1%}")
-        print(f"  understood completely            {found.read:6.1%}")
-        print(f"  words a sentence    theirs {words_per_sentence(theirs):5.1f}   ours {words_per_sentence(ours):5.1f}")
-        print(f"  different words     theirs {len(their_words):5d}   ours {len(our_words):5d} in {len(ours)} captions")
-        print(f"  their running words that ours use  {vocabulary_shared(our_words, their_words):6.1%}")
-        print("  missing verbs:", ", ".join(f"{verb} {count}" for verb, count in found.missing.most_common(40)))
+        print(f"{path.name}: {len(theirs)} sentences, {found.sentences} parsed")
+        print(f"  all main verbs are known         {found.verbs_known:6.1%}")
+        print(f"  parsed completely                {found.parsed:6.1%}")
+        print(f"  words per sentence  human  {words_per_sentence(theirs):5.1f}   ours {words_per_sentence(ours):5.1f}")
+        print(f"  vocabulary          human  {len(their_words):5d}   ours {len(our_words):5d} in {len(ours)} captions")
+        print(f"  human running words in ours        {vocabulary_shared(our_words, their_words):6.1%}")
+        print("  unknown verbs:", ", ".join(f"{verb} {count}" for verb, count in found.missing.most_common(40)))
     counts = phrase_counts()
     values = sorted(counts.values())
     many, most = (sum(value >= least for value in values) for least in (30, 60))
-    print(f"phrasings: {len(counts)} actions for {len(programs())} programs, median {statistics.median(values):.0f}")
+    print(f"phrases: {len(counts)} actions for {len(programs())} programs, median {statistics.median(values):.0f}")
     print(f"  fewest {min(values)}, 30 and more for {many}, 60 and more for {most}")
 
 

@@ -54,14 +54,14 @@ def main() -> None:
     takes = captioned_takes(arguments.folder, arguments.captions, "train")
     real = [clip for take in takes for clip in real_clips(take, _BODY, varied=False)]
     rng = np.random.default_rng(0)
-    for action, said, speed in _GAITS:
-        fitting = [x for x, captions in real if all(re.search(said, c) and not _BESIDES.search(c) for c in captions)]
+    for action, pattern, speed in _GAITS:
+        fitting = [x for x, captions in real if all(re.search(pattern, c) and not _BESIDES.search(c) for c in captions)]
         scene = Scene(((ActionStep(action, direction="forward"),),))
-        acted = [synthetic_clip(scene, rng, _BODY, count=1).features for _ in range(arguments.synthetic)]
-        print(f"\n{action}: {len(fitting)} real clips, {len(acted)} synthetic")
+        clips = [synthetic_clip(scene, rng, _BODY, count=1).features for _ in range(arguments.synthetic)]
+        print(f"\n{action}: {len(fitting)} real clips, {len(clips)} synthetic")
         if not fitting:
             continue
-        synthetic, known = _under_way(acted, speed), _under_way(fitting, speed)
+        synthetic, known = _under_way(clips, speed), _under_way(fitting, speed)
         _measure(synthetic, known)
         _compare(_figures(synthetic), _figures(known), arguments.worst)
 

@@ -24,7 +24,7 @@ OFFSETS = np.array(
     ]
 )  # fmt: skip
 _AHEAD = 0.075  #: metres of the hips ahead of the ankles, standing
-LEG_LENGTH = 0.815  #: length of the canonical leg, hip to ankle
+CANONICAL_LEG = 0.815  #: length of the canonical leg, hip to ankle
 
 _HIPS = [INDEX["left_hip"], INDEX["right_hip"]]
 _KNEES = [INDEX["left_knee"], INDEX["right_knee"]]
@@ -135,7 +135,7 @@ def _length(offsets: Array, joints: list[int]) -> Array:
 
 def leg_scale(offsets: Array) -> float:
     """Ratio of a body's leg length to the canonical one."""
-    return float((_length(offsets, _KNEES) + _length(offsets, _ANKLES)).mean() / LEG_LENGTH)
+    return float((_length(offsets, _KNEES) + _length(offsets, _ANKLES)).mean() / CANONICAL_LEG)
 
 
 @dataclass(frozen=True)

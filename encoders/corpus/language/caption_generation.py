@@ -118,14 +118,14 @@ def _generated(text: str, parts: Sequence[ClauseGroup]) -> GeneratedCaption:
 
 def _joined(parts: Sequence[ClauseGroup], forms: Sequence[str], rng: RandomSource, *, plain: bool = False) -> str:
     """Clauses in order, joined at random; `plain` joins only with "then", "and" and commas."""
-    said = [part.inflected(form) for part, form in zip(parts, forms, strict=True)]
-    if len(said) > 2 and rng.random() < 0.35:
-        return ", ".join(said[:-1]) + pick(rng, _LAST_OF_LIST) + said[-1]
-    text = said[0]
-    for i in range(1, len(said)):
-        usable = _PLAIN if plain or i < len(said) - 1 else len(_JOINS)
+    texts = [part.inflected(form) for part, form in zip(parts, forms, strict=True)]
+    if len(texts) > 2 and rng.random() < 0.35:
+        return ", ".join(texts[:-1]) + pick(rng, _LAST_OF_LIST) + texts[-1]
+    text = texts[0]
+    for i in range(1, len(texts)):
+        usable = _PLAIN if plain or i < len(texts) - 1 else len(_JOINS)
         join = pick_weighted(rng, _JOINS[:usable], _JOIN_WEIGHTS[:usable])
-        text += join.replace("{ing}", parts[i].inflected("ing")).replace("{same}", said[i])
+        text += join.replace("{ing}", parts[i].inflected("ing")).replace("{same}", texts[i])
     return text
 
 
@@ -158,11 +158,11 @@ def _single_sentence(group: StepGroup, words: ClauseGroup, rng: RandomSource) ->
     ending = _as_if(group, subject, rng) if rng.random() < 0.12 else ""
     if rng.random() < 0.06:
         seems = pick(rng, _SEEMS_PLURAL if subject.plural else _SEEMS)
-        said = fill(seems, group[0], subject, rng)
-        said = said.replace("[ing]", words.inflected("ing")).replace("[base]", words.inflected("base"))
+        predicate = fill(seems, group[0], subject, rng)
+        predicate = predicate.replace("[ing]", words.inflected("ing")).replace("[base]", words.inflected("base"))
     else:
-        said = words.inflected(_verb_form(subject, _draw_tense(rng)))
-    return " ".join(filter(None, (subject.text, said, ending)))
+        predicate = words.inflected(_verb_form(subject, _draw_tense(rng)))
+    return " ".join(filter(None, (subject.text, predicate, ending)))
 
 
 def _fragment(groups: Sequence[StepGroup], rng: RandomSource) -> GeneratedCaption:
@@ -226,8 +226,8 @@ def describe(scene: Scene, rng: RandomSource) -> GeneratedCaption:
     weights = _KIND_WEIGHTS_ONE if len(groups) == 1 else _KIND_WEIGHTS_MANY
     kind = pick_weighted(rng, _KINDS, weights)
     write = {"sentence": _sentence, "fragment": _fragment, "label": _label, "part": _part}[kind]
-    said = write(groups, rng)
-    return GeneratedCaption(add_typing_noise(said.text, rng), said.scene)
+    caption = write(groups, rng)
+    return GeneratedCaption(add_typing_noise(caption.text, rng), caption.scene)
 
 
 def captions(scene: Scene, rng: RandomSource, n: int, held_out: Callable[[str], bool] | None = None) -> list[str]:

@@ -23,7 +23,7 @@ class Coverage:
         Their number.
     verbs_known : float
         Share whose main verbs can all be synthesised.
-    read : float
+    parsed : float
         Share parsed completely, as a scene of known programs.
     missing : Counter
         Main verbs that cannot be synthesised, as written; light verbs (do, make, take) if their object is unknown.
@@ -33,14 +33,14 @@ class Coverage:
 
     sentences: int
     verbs_known: float
-    read: float
+    parsed: float
     missing: Counter[str]
     actions: Counter[str]
 
 
 def coverage(sentences: Iterable[str]) -> Coverage:
     """Parse every sentence and count."""
-    count = known = understood = 0
+    count = known = parsed = 0
     missing: Counter[str] = Counter()
     actions: Counter[str] = Counter()
     for sentence in sentences:
@@ -49,10 +49,10 @@ def coverage(sentences: Iterable[str]) -> Coverage:
         known += bool(reading.verbs) and all(can for _, can in reading.verbs)
         missing.update(verb for verb, can in reading.verbs if not can)
         if reading.scene is not None:
-            understood += 1
+            parsed += 1
             actions.update(step.action for group in reading.scene.steps for step in group)
     total = max(count, 1)
-    return Coverage(count, known / total, understood / total, missing, actions)
+    return Coverage(count, known / total, parsed / total, missing, actions)
 
 
 def words_of(sentences: Iterable[str]) -> Counter[str]:
