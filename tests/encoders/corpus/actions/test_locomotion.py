@@ -1,4 +1,4 @@
-"""Locomotion goes where, and as fast as, the step says; feet stay planted in stance."""
+"""Locomotion follows the step's direction, speed and count; feet stay planted in stance."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_feet_do_not_slide_in_stance(step: ActionStep) -> None:
     ("forward", (0, 1)), ("backward", (0, -1)), ("left", (1, 0)), ("right", (-1, 0)),
     ("forward-left", (1, 1)), ("forward-right", (-1, 1)), ("backward-left", (1, -1)),
 ])  # fmt: skip
-def test_walking_goes_where_the_step_says_left_being_plus_x(direction: str, toward: tuple[int, int]) -> None:
+def test_walking_follows_the_direction_with_plus_x_to_the_left(direction: str, toward: tuple[int, int]) -> None:
     for seed in range(6):
         curves = act(ActionStep("walk", direction=direction), seed, 100)
         way = curves.root[-1, [0, 2]] - curves.root[0, [0, 2]]
@@ -89,7 +89,7 @@ def _ahead(curves: Curves) -> np.ndarray:
     return np.diff(curves.root[:, 2]) * 20
 
 
-def test_who_sprints_goes_fast_in_any_manner_and_who_runs_may_not() -> None:
+def test_a_sprint_is_fast_in_any_manner_but_a_run_may_be_slow() -> None:
     tired = Manner(pace=-0.6, stride=-0.5)
 
     def speeds(name: str) -> list[float]:
@@ -111,7 +111,7 @@ def test_a_slower_run_lifts_the_feet_less_and_stands_longer() -> None:
     assert np.mean([(x < 0.02).mean() for x in slow]) > np.mean([(x < 0.02).mean() for x in fast])
 
 
-def test_some_runners_let_their_arms_hang_and_some_hold_them_off_the_body() -> None:
+def test_arm_carriage_varies_between_runners() -> None:
     hands = np.array(
         [act(ActionStep("run", direction="forward"), seed, 80).hands.mean(axis=(0, 1)) for seed in range(40)]
     )
@@ -121,7 +121,7 @@ def test_some_runners_let_their_arms_hang_and_some_hold_them_off_the_body() -> N
     assert outward.max() > 0.2
 
 
-def test_who_turns_at_speed_takes_room_for_it() -> None:
+def test_turns_at_speed_have_a_wide_radius() -> None:
     for seed in range(12):
         clip = make_clip(
             Scene(((ActionStep("sprint", direction="back and forth", amplitude="large"),),)),
@@ -144,7 +144,7 @@ def test_sidesteps_keep_facing_ahead(direction: str, sign: int) -> None:
 
 @pytest.mark.parametrize("count", [1, 3, 6])
 @pytest.mark.parametrize(("direction", "axis", "sign"), [("forward", 2, 1), ("backward", 2, -1), ("left", 0, 1)])
-def test_so_many_steps_are_taken_that_way(direction: str, axis: int, sign: int, count: int) -> None:
+def test_single_steps_follow_count_and_direction(direction: str, axis: int, sign: int, count: int) -> None:
     for seed in range(3):
         curves = act(ActionStep("take steps", direction=direction, count=count), seed)
         lifts = sum(peaks(curves.feet[:, foot, 1], ANKLE + 0.025) for foot in (0, 1))
@@ -153,12 +153,12 @@ def test_so_many_steps_are_taken_that_way(direction: str, axis: int, sign: int, 
 
 
 @pytest.mark.parametrize(("direction", "sign"), [("left", 1), ("right", -1)])
-def test_half_a_circle_turns_half_round(direction: str, sign: int) -> None:
+def test_half_a_circle_turns_by_half_a_turn(direction: str, sign: int) -> None:
     for seed in range(4):
         assert 2.3 < sign * act(ActionStep("walk half circle", direction=direction), seed).heading[-1] < 4.0
 
 
-def test_an_eight_goes_round_both_ways_and_comes_back() -> None:
+def test_a_figure_of_eight_turns_both_ways_and_returns() -> None:
     for seed in range(4):
         curves = act(ActionStep("walk figure eight"), seed)
         assert np.ptp(curves.heading) > 5.0
@@ -166,14 +166,14 @@ def test_an_eight_goes_round_both_ways_and_comes_back() -> None:
 
 
 @pytest.mark.parametrize(("direction", "axis", "sign"), [("forward", 2, 1), ("backward", 2, -1), ("right", 0, -1)])
-def test_a_push_moves_the_body_that_way(direction: str, axis: int, sign: int) -> None:
+def test_a_push_moves_the_body_in_its_direction(direction: str, axis: int, sign: int) -> None:
     for seed in range(5):
         curves = act(ActionStep("get pushed", direction=direction), seed)
         assert sign * (curves.root[-1, axis] - curves.root[0, axis]) > 0.15
         assert np.abs(np.diff(curves.root[-5:], axis=0)).max() < 0.02, "it stands again"
 
 
-def test_who_walks_ahead_is_a_little_askew_and_diagonals_stay_apart() -> None:
+def test_straight_walks_drift_slightly_and_diagonal_ones_differ_from_them() -> None:
     def aside(direction: str) -> np.ndarray:
         found = []
         for seed in range(40):

@@ -1,4 +1,4 @@
-"""What people said of real clips, as facts and in other words."""
+"""Caption augmentation: facts and paraphrases of real captions."""
 
 from __future__ import annotations
 
@@ -8,40 +8,40 @@ import pytest
 from encoders.corpus.composition.caption_augmentation import augment_captions
 
 
-def test_it_is_told_in_other_words_that_state_no_more_than_was_said() -> None:
-    told = augment_captions(["a person walks backwards slowly"], np.random.default_rng(0), count=8)
-    assert told is not None
-    assert len(set(told.captions)) > 4
-    assert len(told.meanings) == 9
-    assert told.facts == {"walk", "walk.direction=backward", "walk.speed=slow"}
-    assert all("walk" in meaning and meaning <= told.facts for meaning in told.meanings)
+def test_paraphrases_state_no_more_than_the_captions() -> None:
+    augmented = augment_captions(["a person walks backwards slowly"], np.random.default_rng(0), count=8)
+    assert augmented is not None
+    assert len(set(augmented.captions)) > 4
+    assert len(augmented.meanings) == 9
+    assert augmented.facts == {"walk", "walk.direction=backward", "walk.speed=slow"}
+    assert all("walk" in meaning and meaning <= augmented.facts for meaning in augmented.meanings)
 
 
-def test_who_goes_without_a_word_of_direction_goes_ahead_but_no_sentence_says_so() -> None:
-    told = augment_captions(["a person walks"], np.random.default_rng(0))
-    assert told is not None
-    assert told.facts == {"walk", "walk.direction=forward"}
-    assert set(told.meanings) == {frozenset({"walk"})}
+def test_locomotion_without_a_direction_is_forward_in_the_facts_only() -> None:
+    augmented = augment_captions(["a person walks"], np.random.default_rng(0))
+    assert augmented is not None
+    assert augmented.facts == {"walk", "walk.direction=forward"}
+    assert set(augmented.meanings) == {frozenset({"walk"})}
 
 
-def test_what_looks_alike_but_is_false_comes_with_it() -> None:
-    told = augment_captions(["a person walks to the left"], np.random.default_rng(0), count=8)
-    assert told is not None
-    assert any("right" in text and "left" not in text for text in told.hard_negatives)
+def test_paraphrases_come_with_hard_negatives() -> None:
+    augmented = augment_captions(["a person walks to the left"], np.random.default_rng(0), count=8)
+    assert augmented is not None
+    assert any("right" in text and "left" not in text for text in augmented.hard_negatives)
 
 
-def test_what_several_people_said_is_all_known_to_be_shown() -> None:
-    told = augment_captions(["a person walks forward", "a man walks quickly"], np.random.default_rng(0))
-    assert told is not None
-    assert told.facts == {"walk", "walk.direction=forward", "walk.speed=fast"}
+def test_the_facts_of_several_captions_are_united() -> None:
+    augmented = augment_captions(["a person walks forward", "a man walks quickly"], np.random.default_rng(0))
+    assert augmented is not None
+    assert augmented.facts == {"walk", "walk.direction=forward", "walk.speed=fast"}
 
 
-def test_a_sentence_not_understood_states_the_actions_that_others_name() -> None:
-    told = augment_captions(
+def test_a_caption_that_cannot_be_parsed_states_the_actions_of_the_others() -> None:
+    augmented = augment_captions(
         ["some quite unlikely goings-on", "a person walks forward and then sits down"], np.random.default_rng(0)
     )
-    assert told is not None
-    assert told.meanings[0] == {"walk", "sit down"}
+    assert augmented is not None
+    assert augmented.meanings[0] == {"walk", "sit down"}
 
 
 @pytest.mark.parametrize(
@@ -54,10 +54,10 @@ def test_a_sentence_not_understood_states_the_actions_that_others_name() -> None
         ("run/jog, veer left", None),
     ],
 )
-def test_a_mere_manner_need_not_be_understood(said: str, shown: set[str] | None) -> None:
-    told = augment_captions([said], np.random.default_rng(0))
-    assert (told and told.facts) == shown
+def test_a_phrase_of_manner_need_not_be_parsed(said: str, shown: set[str] | None) -> None:
+    augmented = augment_captions([said], np.random.default_rng(0))
+    assert (augmented and augmented.facts) == shown
 
 
-def test_of_what_nobody_understands_nothing_is_told() -> None:
+def test_captions_that_cannot_be_parsed_give_nothing() -> None:
     assert augment_captions(["some quite unlikely goings-on"], np.random.default_rng(0)) is None

@@ -1,4 +1,4 @@
-"""Captioned real motion: cut where its captions say, mirrored with its words, played faster and slower."""
+"""Captioned real motion: cropped to caption spans, mirrored with its captions, at several speeds."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ ROOT = FeatureKind("root", 3, 10.0, lambda motion: np.ascontiguousarray(motion.j
         ("walks", "walks"),
     ],
 )
-def test_words_are_mirrored_where_they_mean_sides(sentence: str, mirrored: str) -> None:
+def test_mirroring_swaps_words_for_sides_only(sentence: str, mirrored: str) -> None:
     assert mirror_words(sentence) == mirrored
 
 
@@ -45,24 +45,24 @@ def take(seconds: float, *spans: CaptionedSpan, description: str = "") -> Captio
     return CaptionedTake("take.bvh", "1", motion(seconds), description, spans)
 
 
-def test_a_span_is_cut_where_its_caption_says() -> None:
+def test_features_are_cropped_to_the_caption_span() -> None:
     [(features, captions)] = real_clips(take(10, CaptionedSpan(("waves",), 2.0, 5.0)), ROOT, varied=False)
     assert captions == ("waves",)
     assert features[:, 0] == pytest.approx(np.arange(2, 5, 0.1), abs=1e-5)
 
 
-def test_a_short_take_is_a_span_of_its_own_with_its_description() -> None:
+def test_a_short_take_is_captioned_by_its_description() -> None:
     assert [said for _, said in real_clips(take(6, description="jumping"), ROOT, varied=False)] == [("jumping",)]
     assert list(real_clips(take(20, description="jumping"), ROOT, varied=False)) == []
 
 
-def test_spans_end_with_the_take_and_are_cut_to_the_longest() -> None:
+def test_spans_end_with_the_take_and_are_cropped_to_the_longest() -> None:
     spans = (CaptionedSpan(("a",), 8.0, float("inf")), CaptionedSpan(("b",), 0.0, 9.0))
     lengths = [len(f) for f, _ in real_clips(take(10, *spans), ROOT, varied=False, longest=4.0)]
     assert lengths == [20, 40]
 
 
-def test_what_is_too_short_to_show_anything_is_left_out() -> None:
+def test_very_short_spans_are_dropped() -> None:
     assert list(real_clips(take(10, CaptionedSpan(("a",), 3.0, 3.2)), ROOT, varied=False)) == []
 
 
@@ -74,7 +74,7 @@ def test_mirrored_clips_are_clips_of_the_mirrored_motion() -> None:
     assert np.array_equal(varied["lifts the right arm"], body.compute(whole.motion.mirror())[10:30])
 
 
-def test_faster_clips_show_the_same_in_less_time() -> None:
+def test_playback_speed_changes_the_length_and_not_the_content() -> None:
     clips = list(real_clips(take(10, CaptionedSpan(("a",), 2.0, 8.0)), ROOT))
     assert len(clips) == 6
     for features, _ in clips:

@@ -1,4 +1,4 @@
-"""Real clips put together anew: joined in a row, or with a made gesture laid over."""
+"""Compositional augmentation: concatenated segments and arm overlays."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ def standing(frames: int) -> np.ndarray:
 
 
 def walking(frames: int) -> np.ndarray:
-    """The same body carried forward at a metre a second."""
+    """The same body carried forward at one metre per second."""
     joints = standing(frames)
     joints[..., 2] += np.arange(frames)[:, None] / 20
     return joints
 
 
 def turned(joints: np.ndarray, angle: float) -> np.ndarray:
-    """Turned about the vertical."""
+    """The joints rotated about the vertical."""
     c, s = np.cos(angle), np.sin(angle)
     return joints @ np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]], np.float32)
 
@@ -53,7 +53,7 @@ def arms_up(frames: int) -> np.ndarray:
     return joints
 
 
-def test_pieces_are_captioned_parts_of_one_to_seven_seconds_said_in_few_words() -> None:
+def test_segments_last_one_to_seven_seconds_and_have_short_captions() -> None:
     spans = (
         CaptionedSpan(("walks.",), 0.0, 3.0),
         CaptionedSpan(("walks, then sits",), 0.0, 3.0),
@@ -64,7 +64,7 @@ def test_pieces_are_captioned_parts_of_one_to_seven_seconds_said_in_few_words() 
     assert [(len(p.joints), p.captions) for p in captioned_segments([take])] == [(60, ("walks",))]
 
 
-def test_a_joined_pair_lasts_as_long_as_both_and_is_told_in_order() -> None:
+def test_concatenated_segments_have_captions_in_order_and_hard_negatives_in_reverse() -> None:
     first, second = (
         CaptionedSegment(walking(40), ("a man walks",)),
         CaptionedSegment(arms_up(30), ("the person raises both arms",)),
@@ -75,7 +75,7 @@ def test_a_joined_pair_lasts_as_long_as_both_and_is_told_in_order() -> None:
     assert all(said.index("rais") < said.index("walk") for said in joined.hard_negatives)
 
 
-def test_the_second_subject_is_not_said_again() -> None:
+def test_the_second_subject_is_not_repeated() -> None:
     pair = (
         CaptionedSegment(walking(40), ("a man walks",)),
         CaptionedSegment(arms_up(30), ("the person is raising both arms",)),
@@ -86,7 +86,7 @@ def test_the_second_subject_is_not_said_again() -> None:
 
 
 @pytest.mark.parametrize("angle", [0.0, 2.0])
-def test_arms_go_along_with_the_trunk_they_are_moved_to(angle: float) -> None:
+def test_replaced_arms_follow_the_trunk(angle: float) -> None:
     body = turned(walking(10), angle)
     moved = replace_arms(body, arms_up(10))
     up = moved[:, INDEX["left_wrist"]] - moved[:, INDEX["left_shoulder"]]
@@ -95,7 +95,7 @@ def test_arms_go_along_with_the_trunk_they_are_moved_to(angle: float) -> None:
     assert np.array_equal(moved[:, rest], body[:, rest])
 
 
-def test_bones_of_the_arms_keep_the_carriers_lengths() -> None:
+def test_replaced_arms_have_the_bone_lengths_of_the_body() -> None:
     body = walking(10) * 1.1
     moved = replace_arms(body, arms_up(10))
     for upper, lower in (("shoulder", "elbow"), ("elbow", "wrist")):
@@ -104,7 +104,7 @@ def test_bones_of_the_arms_keep_the_carriers_lengths() -> None:
         assert lengths[1] == pytest.approx(lengths[0], abs=1e-5)
 
 
-def test_what_is_laid_over_lasts_while_both_do_and_says_both() -> None:
+def test_an_overlay_is_as_long_as_the_shorter_clip_and_its_captions_name_both() -> None:
     laid = overlay_arms(
         CaptionedSegment(walking(60), ("walks forward",)),
         CaptionedSegment(arms_up(40), ("raises both arms",)),
@@ -115,14 +115,14 @@ def test_what_is_laid_over_lasts_while_both_do_and_says_both() -> None:
     assert not laid.hard_negatives
 
 
-def test_a_made_gesture_of_one_hand_does_not_always_say_which() -> None:
+def test_captions_of_a_one_handed_gesture_may_omit_the_side() -> None:
     made = [synthetic_gesture(np.random.default_rng(seed)) for seed in range(60)]
     said = {text for piece in made for text in piece.captions if "one hand" in text or "one arm" in text}
     assert said
     assert not any(side in text for text in said for side in ("left", "right"))
 
 
-def test_the_scene_of_what_is_put_together_is_known_where_both_are_understood() -> None:
+def test_a_composed_clip_has_a_scene_if_both_captions_can_be_parsed() -> None:
     walk, up, odd = (
         CaptionedSegment.parsed(walking(40), (said,)) for said in ("a man walks", "raises both arms", "gnarls")
     )
@@ -134,7 +134,7 @@ def test_the_scene_of_what_is_put_together_is_known_where_both_are_understood() 
     assert concatenate_segments(walk, odd, rng).scene is overlay_arms(odd, up, rng).scene is None
 
 
-def test_as_many_as_asked_and_the_same_again_from_the_same_chance() -> None:
+def test_augmentation_is_deterministic_and_gives_the_wanted_count() -> None:
     spans = (CaptionedSpan(("walks",), 0.0, 3.0), CaptionedSpan(("strolls",), 2.0, 6.0))
     take = CaptionedTake("a.bvh", "1", Motion(walking(200)), "", spans)
     runs = [list(augmented_clips([take], 6, np.random.default_rng(3))) for _ in range(2)]
@@ -144,6 +144,6 @@ def test_as_many_as_asked_and_the_same_again_from_the_same_chance() -> None:
         assert np.array_equal(a.motion.joints, b.motion.joints)
 
 
-def test_nothing_comes_of_one_piece() -> None:
+def test_a_single_segment_gives_no_augmented_clip() -> None:
     take = CaptionedTake("a.bvh", "1", Motion(walking(60)), "", (CaptionedSpan(("walks",), 0.0, 3.0),))
     assert list(augmented_clips([take], 5, np.random.default_rng(0))) == []

@@ -1,4 +1,4 @@
-"""Facts: of which clips a sentence is known to be true."""
+"""Facts, and which scenes a caption describes."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from encoders.corpus.composition.facts import HYPERNYMS, Underspecified, entailm
 from encoders.corpus.scene import ActionStep, Scene
 
 
-def one(action: str, **particulars: object) -> Scene:
-    return Scene(((ActionStep(action, **particulars),),))  # type: ignore[arg-type]
+def one(action: str, **attributes: object) -> Scene:
+    return Scene(((ActionStep(action, **attributes),),))  # type: ignore[arg-type]
 
 
 def sequence(*actions: str) -> Scene:
@@ -35,7 +35,7 @@ def sequence(*actions: str) -> Scene:
         (Scene(((ActionStep("walk"), ActionStep("wave")),)), Scene(((ActionStep("wave"), ActionStep("limp")),))),
     ],
 )
-def test_it_is_true_of_whatever_shows_all_it_says(said: Scene, shown: Scene) -> None:
+def test_a_caption_entails_all_its_facts(said: Scene, shown: Scene) -> None:
     assert facts(said) <= facts(shown)
 
 
@@ -52,22 +52,22 @@ def test_it_is_true_of_whatever_shows_all_it_says(said: Scene, shown: Scene) -> 
         (Scene(((ActionStep("walk"), ActionStep("wave")),)), sequence("walk", "wave")),
     ],
 )
-def test_it_is_not_true_of_what_differs_in_one_thing(said: Scene, shown: Scene) -> None:
+def test_a_caption_does_not_describe_a_scene_with_one_contrary_fact(said: Scene, shown: Scene) -> None:
     assert not facts(said) <= facts(shown)
 
 
-def test_every_kind_of_action_exists() -> None:
+def test_hypernyms_are_programs() -> None:
     assert {*HYPERNYMS, *HYPERNYMS.values()} <= set(programs())
 
 
-def test_a_meaning_holds_where_all_its_facts_are_and_no_facts_mean_nothing_is_known() -> None:
+def test_entailment_needs_all_facts_and_is_false_for_an_empty_meaning() -> None:
     holds = entailment_of_indices([[0], [0, 1], [2], []], [[0], [0, 1], [0, 1, 2]], 3)
     assert holds.tolist() == [[True, True, True], [False, True, True], [False, False, True], [False] * 3]
     assert holds.dtype == np.bool_
 
 
 @pytest.mark.parametrize(
-    ("said", "shown", "untold"),
+    ("said", "shown", "expected"),
     [
         (one("walk"), one("walk", direction="backward"), True),
         (one("walk"), one("sneak"), True),
@@ -85,7 +85,9 @@ def test_a_meaning_holds_where_all_its_facts_are_and_no_facts_mean_nothing_is_kn
         (one("walk", direction="backward"), one("walk", direction="backward"), False),
     ],
 )
-def test_who_says_so_little_means_nothing_special(said: Scene, shown: Scene, untold: bool) -> None:
+def test_captions_that_omit_a_salient_attribute_are_underspecified(
+    said: Scene, shown: Scene, underspecified: bool
+) -> None:
     vocabulary = sorted(facts(said) | facts(shown))
     rows = [[vocabulary.index(fact) for fact in facts(scene)] for scene in (said, shown)]
-    assert Underspecified(vocabulary)(rows[:1], rows[1:]).item() is untold
+    assert Underspecified(vocabulary)(rows[:1], rows[1:]).item() is expected

@@ -1,4 +1,4 @@
-"""Long takes with exact truth."""
+"""Long takes with exact annotations."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def walker(frames: int, *, heading: float = 0.0, place: tuple[float, float] = (0
     return Motion(turned)
 
 
-def test_each_clip_begins_where_and_facing_as_the_one_before_ended() -> None:
+def test_each_clip_starts_where_and_facing_as_the_previous_one_ended() -> None:
     clips = [walker(40).joints, walker(30, heading=2.0, place=(5, -3)).joints, walker(20, heading=-1.0).joints]
     joined = concatenate_clips(clips)
     assert joined.shape == (90, 22, 3)
@@ -43,31 +43,31 @@ def test_the_seam_does_not_jump() -> None:
     assert np.abs(np.diff(joined, axis=0)).max() < 0.15
 
 
-def test_joining_changes_no_clip() -> None:
+def test_concatenation_leaves_its_inputs_unchanged() -> None:
     clips = [walker(10).joints.copy(), walker(10, heading=1.0).joints.copy()]
     before = [clip.copy() for clip in clips]
     concatenate_clips(clips)
     assert all(np.array_equal(a, b) for a, b in zip(clips, before, strict=True))
 
 
-def test_spans_of_joined_clips_are_exact_at_any_frame_rate() -> None:
+def test_annotations_of_joined_clips_are_exact_at_any_frame_rate() -> None:
     clips = [(Motion(walker(frames).joints, fps), text) for frames, fps, text in ((50, 30.0, "a"), (77, 24.0, "b"))]
     taken = joined_take([*clips, (walker(40), "a")])
     lengths = [len(motion.resample(20.0)) for motion, _ in clips] + [40]
     ends = np.cumsum(lengths) / 20
     assert len(taken.motion) == sum(lengths)
-    assert [marked.sentence for marked in taken.annotations] == ["a", "b"]
+    assert [annotation.sentence for annotation in taken.annotations] == ["a", "b"]
     assert taken.annotations[0].spans == ((0.0, ends[0]), (ends[1], ends[2]))
     assert taken.annotations[1].spans == ((ends[0], ends[1]),)
     assert taken.motion.duration == ends[-1]
 
 
-def test_a_made_take_marks_every_action_it_shows() -> None:
+def test_a_synthetic_take_annotates_every_action() -> None:
     taken = synthetic_take(np.random.default_rng(3), least=12.0, most=12.0)
-    spans = sorted({span for marked in taken.annotations for span in marked.spans})
+    spans = sorted({span for annotation in taken.annotations for span in annotation.spans})
     assert 12.0 <= taken.motion.duration < 60.0
-    assert len({marked.sentence for marked in taken.annotations}) == len(taken.annotations)
-    assert all(marked.spans for marked in taken.annotations)
+    assert len({annotation.sentence for annotation in taken.annotations}) == len(taken.annotations)
+    assert all(annotation.spans for annotation in taken.annotations)
     assert spans[0][0] == pytest.approx(0.0, abs=1.5)
     assert spans[-1][1] <= taken.motion.duration + 1e-6
     assert all(start < end for start, end in spans)

@@ -20,7 +20,7 @@ def test_the_same_seed_makes_the_same_clip() -> None:
     assert first.joints.shape != other.joints.shape or not np.allclose(first.joints, other.joints)
 
 
-def test_cut_clips_keep_their_spans() -> None:
+def test_spans_lie_within_the_clip() -> None:
     scene = Scene(((ActionStep("walk"),), (ActionStep("wave"),)))
     for seed in range(30):
         clip = make_clip(scene, np.random.default_rng(seed))

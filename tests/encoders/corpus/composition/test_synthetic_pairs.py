@@ -1,4 +1,4 @@
-"""Made training pairs: reproducible, true, and without a held-out sentence."""
+"""Synthetic training pairs: deterministic, true, and without held-out sentences."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ SENTENCES = ("a person walks forward and sits down", "someone waves with the lef
 
 
 @pytest.fixture
-def unacted(monkeypatch: pytest.MonkeyPatch) -> FeatureKind:
-    """Scenes are described but not acted out, so that many can be looked at."""
+def without_motion(monkeypatch: pytest.MonkeyPatch) -> FeatureKind:
+    """A feature kind for captions without motion, which are fast to generate in numbers."""
     still = np.zeros((20, 22, 3), np.float32)
     monkeypatch.setattr(synthetic_pairs, "make_clip", lambda scene, rng: SceneClip(still, scene=scene))
     return FeatureKind("none", 1, 10.0, lambda motion: np.zeros((len(motion), 1), np.float32))
@@ -43,8 +43,8 @@ def test_the_same_seed_makes_the_same_clips() -> None:
     assert other.captions != first[0].captions
 
 
-def test_a_share_of_the_clips_may_just_go(unacted: FeatureKind) -> None:
-    clips = list(synthetic_clips(2, 100, unacted, sentences=SENTENCES, gait_share=0.6))
+def test_gait_share_gives_plain_locomotion(without_motion: FeatureKind) -> None:
+    clips = list(synthetic_clips(2, 100, without_motion, sentences=SENTENCES, gait_share=0.6))
     goes = [clip.scene.steps[0][0] for clip in clips if len(clip.scene.steps) == len(clip.scene.steps[0]) == 1]
     gaits = [step for step in goes if step.action in ("walk", "run", "jog", "sprint", "sidestep", "turn")]
     assert 50 <= len(gaits) <= 80
@@ -52,58 +52,58 @@ def test_a_share_of_the_clips_may_just_go(unacted: FeatureKind) -> None:
     assert len({step.style for step in gaits}) > 8
 
 
-def test_clips_are_as_long_as_was_asked_at_most() -> None:
+def test_clips_are_no_longer_than_the_limit() -> None:
     for clip in synthetic_clips(1, 3, BODY, longest=5.0):
         assert 1 <= len(clip.features) <= 50
         assert clip.features.shape[1] == BODY.size
 
 
-def test_everything_a_caption_states_is_true_of_its_clip(unacted: FeatureKind) -> None:
-    for clip in synthetic_clips(3, 60, unacted, sentences=SENTENCES):
+def test_the_facts_of_captions_hold_in_their_clip(without_motion: FeatureKind) -> None:
+    for clip in synthetic_clips(3, 60, without_motion, sentences=SENTENCES):
         assert len(clip.captions) == len(clip.meanings)
         assert all(meaning and meaning <= facts(clip.scene) for meaning in clip.meanings)
 
 
-def test_a_twin_says_nearly_the_same_in_nearly_the_same_words(unacted: FeatureKind) -> None:
+def test_a_hard_negative_differs_from_its_caption_in_few_words(without_motion: FeatureKind) -> None:
     changed = [
-        len(set(text.split()) ^ set(twin.split()))
-        for clip in synthetic_clips(6, 60, unacted)
-        for text, twin in zip(clip.captions, clip.hard_negatives, strict=True)
-        if twin
+        len(set(text.split()) ^ set(negative.split()))
+        for clip in synthetic_clips(6, 60, without_motion)
+        for text, negative in zip(clip.captions, clip.hard_negatives, strict=True)
+        if negative
     ]
     assert len(changed) > 30
     assert np.median(changed) <= 4
 
 
-def test_swapped_captions_are_false(unacted: FeatureKind) -> None:
-    read = [
+def test_hard_negatives_are_false(without_motion: FeatureKind) -> None:
+    parsed = [
         (facts(meant), facts(clip.scene), text)
-        for clip in synthetic_clips(4, 300, unacted)
+        for clip in synthetic_clips(4, 300, without_motion)
         for text in clip.hard_negatives
         if (meant := parse(text)) is not None
     ]
-    assert len(read) > 10
-    seem_true = [text for meant, true, text in read if meant <= true]
-    assert len(seem_true) <= 0.02 * len(read), seem_true  # the reader may miss a word
+    assert len(parsed) > 10
+    seem_true = [text for meant, true, text in parsed if meant <= true]
+    assert len(seem_true) <= 0.02 * len(parsed), seem_true  # the parser may miss a word
 
 
-def test_held_out_sentences_are_never_used(unacted: FeatureKind) -> None:
+def test_held_out_sentences_are_never_used(without_motion: FeatureKind) -> None:
     def used(clips: list[SyntheticClip]) -> set[str]:
         return {text for clip in clips for text in (*clip.captions, *clip.hard_negatives)}
 
-    free = used(list(synthetic_clips(5, 40, unacted, sentences=SENTENCES)))
+    free = used(list(synthetic_clips(5, 40, without_motion, sentences=SENTENCES)))
     held_out = HeldOutSentences(sorted(free)[::2])
-    kept = used(list(synthetic_clips(5, 40, unacted, sentences=SENTENCES, held_out=held_out)))
+    kept = used(list(synthetic_clips(5, 40, without_motion, sentences=SENTENCES, held_out=held_out)))
     assert any(map(held_out, free))
     assert not any(map(held_out, kept))
 
 
-def test_human_sentences_are_acted_out_and_kept_as_captions(unacted: FeatureKind) -> None:
-    clips = synthetic_clips(6, 20, unacted, sentences=SENTENCES, human_share=1.0)
+def test_human_sentences_become_captions_of_their_scenes(without_motion: FeatureKind) -> None:
+    clips = synthetic_clips(6, 20, without_motion, sentences=SENTENCES, human_share=1.0)
     assert {clip.captions[0] for clip in clips} == set(SENTENCES)
 
 
-def test_what_a_scene_leaves_open_is_decided_and_what_it_says_stays() -> None:
+def test_a_completed_scene_has_sides_and_directions_and_keeps_those_given() -> None:
     rng = np.random.default_rng(0)
     sided = next(name for name, program in programs().items() if program.sides)
     assert complete_scene(Scene(((ActionStep(sided),),)), rng).steps[0][0].side in programs()[sided].sides
@@ -112,7 +112,7 @@ def test_what_a_scene_leaves_open_is_decided_and_what_it_says_stays() -> None:
     assert complete_scene(Scene(((ActionStep("walk"),),)), rng).steps[0][0].direction == "forward"
 
 
-def test_a_sentence_is_true_of_its_clip_and_of_those_that_show_the_same() -> None:
+def test_a_caption_is_relevant_to_its_clip_and_to_those_with_the_same_facts() -> None:
     def clip(said: Scene, shown: Scene) -> SyntheticClip:
         return SyntheticClip(np.zeros((4, 1), np.float32), shown, (), ("words",), (facts(said),), ())
 
@@ -125,7 +125,7 @@ def test_a_sentence_is_true_of_its_clip_and_of_those_that_show_the_same() -> Non
     ]
 
 
-def test_some_captions_leave_open_which_hand_it_is_and_count_for_either() -> None:
+def test_some_captions_omit_the_side_and_hold_for_either() -> None:
     rng = np.random.default_rng(0)
     said = [caption_and_hard_negative(Scene(((ActionStep("wave", side="right"),),)), rng)[:2] for _ in range(200)]
     left = facts(Scene(((ActionStep("wave", side="left"),),)))

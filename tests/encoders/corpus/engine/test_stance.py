@@ -1,4 +1,4 @@
-"""How people stand: feet apart and one ahead, hips that shift; whoever goes somewhere is left alone."""
+"""Stances: feet apart and one ahead, shifting hips; no effect on locomotion."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from encoders.corpus.engine.curves import LEFT, RIGHT, STAND, standing
 from encoders.corpus.engine.stance import Stance, sample_stance, stand
 
 
-def test_feet_stand_apart_and_one_ahead_and_stay_there() -> None:
+def test_a_stance_moves_the_feet_apart_and_one_ahead() -> None:
     before = standing(40)
     after = stand(standing(40), Stance(apart=0.1, ahead=0.06), np.random.default_rng(0))
     moved = after.feet - before.feet
@@ -23,7 +23,7 @@ def test_the_stance_turns_with_the_body() -> None:
     assert np.allclose((after.feet[:, LEFT] - standing(40).feet[:, LEFT])[:, [0, 2]], [0.05, 0], atol=1e-9)
 
 
-def test_weight_on_one_leg_brings_the_hips_over_its_foot_and_keeps_the_trunk_upright() -> None:
+def test_weight_on_one_leg_shifts_the_hips_over_its_foot_and_keeps_the_trunk_upright() -> None:
     after = stand(standing(40), Stance(onto=0.08), np.random.default_rng(0))
     assert np.allclose(after.root[:, 0], 0.08)
     assert np.array_equal(after.feet, standing(40).feet)
@@ -31,12 +31,12 @@ def test_weight_on_one_leg_brings_the_hips_over_its_foot_and_keeps_the_trunk_upr
     assert np.allclose(after.pelvis[:, 1] + after.spine[:, 1], 0)
 
 
-def test_a_trunk_may_lean_aside() -> None:
+def test_the_trunk_leans_sideways() -> None:
     after = stand(standing(40), Stance(aside=0.1), np.random.default_rng(0))
     assert np.allclose(after.spine[:, 1], 0.1)
 
 
-def test_hips_shift_with_restlessness_alone() -> None:
+def test_hips_move_only_in_a_restless_stance() -> None:
     still = stand(standing(100), Stance(), np.random.default_rng(0))
     restless = stand(standing(100), Stance(restless=1.0), np.random.default_rng(0))
     assert np.ptp(still.root, axis=0).max() == 0
@@ -44,7 +44,7 @@ def test_hips_shift_with_restlessness_alone() -> None:
     assert restless.root[:, 1].max() <= STAND
 
 
-def test_whoever_steps_or_lies_is_left_alone() -> None:
+def test_a_stance_leaves_stepping_and_lying_unchanged() -> None:
     steps, lies = standing(40), standing(40)
     steps.feet[20:, LEFT, 2] += 0.3
     lies.root[:, 1] = 0.2
@@ -53,5 +53,5 @@ def test_whoever_steps_or_lies_is_left_alone() -> None:
         assert np.array_equal(stand(curves, Stance(apart=0.1, restless=1.0), np.random.default_rng(0)).data, before)
 
 
-def test_without_variation_everybody_stands_at_attention() -> None:
+def test_without_variation_the_stance_is_neutral() -> None:
     assert sample_stance(np.random.default_rng(0), 0.0) == Stance()

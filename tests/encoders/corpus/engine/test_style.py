@@ -40,7 +40,7 @@ def test_styles_change_the_body(style: str, measure: str, sign: int) -> None:
     assert style in STYLES
 
 
-def test_other_ways_to_act_a_style_are_of_styles_that_exist_and_say_manner_fields() -> None:
+def test_style_variants_belong_to_known_styles_and_set_manner_fields() -> None:
     assert set(STYLE_VARIANTS) <= set(STYLES)
     named = {field.name for field in fields(NEUTRAL)}
     assert all(set(way) <= named for ways in STYLE_VARIANTS.values() for way in ways)
@@ -58,7 +58,7 @@ def test_styles_change_gestures_and_standing_too(action: str, style: str, sign: 
 
 
 @pytest.mark.parametrize("carriage", sorted(CARRIAGES))
-def test_idle_hands_are_carried_but_not_the_hand_that_acts(carriage: str) -> None:
+def test_a_carriage_moves_idle_hands_but_not_busy_ones(carriage: str) -> None:
     manner = replace(NEUTRAL, carriage=carriage)
     idle, waving = standing(40), standing(40)
     waving.hands[10:30, 0] = (0.2, 0.4, 0.3)

@@ -1,4 +1,4 @@
-"""What is held out of training: nothing draws it, reads it or names it, and it can be acted out and asked for."""
+"""Held-out actions and styles: never sampled or parsed, but synthesised for evaluation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from encoders.corpus.scene import ActionStep, Scene
 HELD_OUT = sorted(held_out_programs())
 
 
-def test_programs_held_out_are_not_among_those_of_training() -> None:
+def test_held_out_programs_are_disjoint_from_the_training_ones() -> None:
     assert len(HELD_OUT) >= 12
     assert set(HELD_OUT) == set(ACTION_QUERIES)
     assert not set(HELD_OUT) & set(programs())
@@ -27,26 +27,26 @@ def test_programs_held_out_are_not_among_those_of_training() -> None:
     assert not set(HELD_OUT) & {entry.replace("_", " ") for entry in entries()}
 
 
-def test_no_drawn_scene_shows_them() -> None:
+def test_no_random_scene_shows_a_held_out_action_or_style() -> None:
     rng = np.random.default_rng(0)
     steps = [step for _ in range(300) for group in random_scene(rng).steps for step in group]
     assert not {step.action for step in steps} & set(HELD_OUT)
     assert not {step.style for step in steps} & set(HELD_OUT_STYLES)
 
 
-def test_no_sentence_is_read_as_them() -> None:
+def test_no_query_is_parsed_to_a_held_out_action() -> None:
     scenes = [parse(sentence) for said in ACTION_QUERIES.values() for sentence in said]
     steps = [step for scene in scenes if scene for group in scene.steps for step in group]
     assert not {step.action for step in steps} & set(HELD_OUT)
 
 
-def test_manners_held_out_are_none_of_training() -> None:
+def test_held_out_styles_are_disjoint_from_the_training_ones() -> None:
     assert set(HELD_OUT_STYLES) == set(STYLE_PHRASES)
     assert not set(HELD_OUT_STYLES) & set(STYLES)
 
 
 @pytest.mark.parametrize("action", HELD_OUT)
-def test_they_are_acted_out_by_sound_bodies(action: str) -> None:
+def test_held_out_actions_give_plausible_motion(action: str) -> None:
     for seed in range(3):
         clip = make_clip(Scene(((ActionStep(action),),)), np.random.default_rng(seed))
         speed = 20 * np.linalg.norm(np.diff(clip.joints, axis=0), axis=-1)
@@ -56,12 +56,12 @@ def test_they_are_acted_out_by_sound_bodies(action: str) -> None:
         assert speed.max() < 20.0
 
 
-def test_a_take_of_them_mixes_unseen_actions_with_known_ones_in_unseen_manners() -> None:
+def test_a_held_out_take_mixes_held_out_actions_with_known_ones_in_held_out_styles() -> None:
     taken = heldout_take(np.random.default_rng(0), least=60.0, most=60.0)
-    assert {marked.held_out for marked in taken.annotations} == {True, False}
-    manners = {fact.split("=")[1] for h in taken.events for fact in h.facts if ".style=" in fact}
-    assert manners
-    assert manners <= set(HELD_OUT_STYLES)
-    for marked in taken.annotations:
-        assert list(marked.spans) == taken.spans(marked.meaning)
-        assert marked.spans
+    assert {annotation.held_out for annotation in taken.annotations} == {True, False}
+    styles = {fact.split("=")[1] for h in taken.events for fact in h.facts if ".style=" in fact}
+    assert styles
+    assert styles <= set(HELD_OUT_STYLES)
+    for annotation in taken.annotations:
+        assert list(annotation.spans) == taken.spans(annotation.meaning)
+        assert annotation.spans

@@ -1,4 +1,4 @@
-"""Generated captions are true of their scene, varied, and never held out."""
+"""Generated captions are true of their scene, varied, and never held-out sentences."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def caption_texts(scene: Scene, count: int = 300) -> list[str]:
     return [describe(scene, rng).text.lower() for _ in range(count)]
 
 
-def test_captions_are_varied_and_as_many_as_asked_for() -> None:
+def test_captions_are_varied_and_of_the_wanted_count() -> None:
     texts = captions(one("walk", direction="backward"), random.Random(3), 40)
     assert len(texts) == 40
     assert len(set(texts)) >= 36
@@ -33,12 +33,12 @@ def test_no_caption_names_the_wrong_side(side: str, other: str) -> None:
     assert not [text for text in caption_texts(one("turn", direction=side)) if other in text.split()]
 
 
-def test_most_but_not_all_captions_name_a_field_that_is_set() -> None:
+def test_most_but_not_all_captions_mention_a_specified_field() -> None:
     named = [bool(describe(one("wave", side="left"), random.Random(i)).scene.steps[0][0].side) for i in range(200)]
     assert 0.6 < np.mean(named) < 1.0
 
 
-def test_what_a_caption_says_is_part_of_the_scene() -> None:
+def test_the_scene_of_a_caption_is_part_of_the_described_one() -> None:
     rng = np.random.default_rng(4)
     for _ in range(50):
         scene = random_scene(rng)
@@ -60,12 +60,12 @@ def test_captions_keep_the_order_of_steps() -> None:
             assert (clap < wheel) != bool(re.search(" after (?!that)", text)), text
 
 
-def test_captions_say_the_right_count() -> None:
+def test_captions_state_no_wrong_count() -> None:
     for text in caption_texts(one("jump", count=3)):
         assert not [wrong for wrong in ("twice", "two times", "two jumps", "four", "2", "4") if wrong in text]
 
 
-def test_a_held_out_sentence_is_never_written() -> None:
+def test_held_out_sentences_are_never_generated() -> None:
     scene = one("clap")
     common = max(set(caption_texts(scene)), key=caption_texts(scene).count)
     held_out = HeldOutSentences([common.upper() + "!"])

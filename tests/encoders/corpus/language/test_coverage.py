@@ -13,7 +13,7 @@ from encoders.corpus.language.coverage import coverage
 from tests.encoders.corpus.scenes import one
 
 
-def test_our_own_plain_captions_are_mostly_read() -> None:
+def test_verbs_of_generated_captions_are_mostly_known() -> None:
     rng = np.random.default_rng(7)
     found = coverage(captions(one("walk", direction="forward"), rng, 60))
     assert found.verbs_known > 0.5

@@ -7,7 +7,7 @@ from encoders.corpus.scene import ActionStep, Scene
 from tests.encoders.corpus.scenes import one
 
 
-def test_swaps_differ_in_one_thing_and_stay_legal() -> None:
+def test_contrasting_scenes_differ_once_and_stay_legal() -> None:
     scene = Scene(((ActionStep("wave", side="left", count=3),), (ActionStep("turn", direction="right"),)))
     found = {str(other) for other in contrasting_scenes(scene)}
     assert "turn, right; then wave, left, 3 times" in found

@@ -18,13 +18,13 @@ def test_every_program_has_phrases() -> None:
     assert [name for name in programs() if entry_of(name) is None] == []
 
 
-def test_phrases_are_many_for_common_actions_and_enough_for_all() -> None:
+def test_common_actions_have_sixty_phrases_and_all_have_ten() -> None:
     counts = phrase_counts()
     assert {name: counts[name] for name in COMMON if counts[name] < 60} == {}
     assert {name: count for name, count in counts.items() if count < 10} == {}
 
 
-def test_every_phrase_can_be_said_of_every_legal_step() -> None:
+def test_every_legal_step_has_a_verb_phrase_with_all_slots_filled() -> None:
     rng = random.Random(1)
     person = Subject("a person", "they")
     for name, program in programs().items():
