@@ -85,9 +85,7 @@ def test_entailment_needs_all_facts_and_is_false_for_an_empty_meaning() -> None:
         (one("walk", direction="backward"), one("walk", direction="backward"), False),
     ],
 )
-def test_captions_that_omit_a_salient_attribute_are_underspecified(
-    said: Scene, shown: Scene, underspecified: bool
-) -> None:
+def test_captions_that_omit_a_salient_attribute_are_underspecified(said: Scene, shown: Scene, expected: bool) -> None:
     vocabulary = sorted(facts(said) | facts(shown))
     rows = [[vocabulary.index(fact) for fact in facts(scene)] for scene in (said, shown)]
     assert Underspecified(vocabulary)(rows[:1], rows[1:]).item() is expected
