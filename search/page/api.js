@@ -1,19 +1,19 @@
 /**
- * The server's routes as functions. Answers are plain objects as docs/serving.md describes them.
+ * The server's routes as functions; responses are as in docs/serving.md.
  */
 
 import { Motion } from "./motion.js";
 
 /**
  * @typedef {{rank: number, path: string, score: number, strength: string, start: number, end: number,
- *   duration: number, caption: string, clip: number | string}} Hit
+ *   duration: number, caption: string, clip: number | string, root: string | null}} Hit
  * @typedef {{text: string, start: number | null, end: number | null}} Caption
- * @typedef {{clip: number | string, path: string, name: string, duration: number, fps: number, frames: number,
+ * @typedef {{clip: number | string, root: string | null, path: string, name: string, duration: number, fps: number, frames: number,
  *   format: string, rig: string, added: string, captions?: Caption[]}} MotionInfo
  * @typedef {{generation: number, clips: number[], x: number[], y: number[], labels: string[], label: number[]}} MapData
  */
 
-/** What the server would not do, in its own words. */
+/** An error response, with the server's message. */
 export class ApiError extends Error {
   /** @param {string} message @param {number} status */
   constructor(message, status) {
@@ -24,7 +24,7 @@ export class ApiError extends Error {
 
 /**
  * @param {string} route
- * @param {Record<string, any>} [parameters] arrays are given several times, empty ones left out
+ * @param {Record<string, any>} [parameters] arrays are repeated, empty values left out
  */
 function address(route, parameters = {}) {
   const query = new URLSearchParams();
@@ -35,74 +35,74 @@ function address(route, parameters = {}) {
 }
 
 /** @param {string} url @param {RequestInit} [options] */
-async function ask(url, options) {
+async function request(url, options) {
   let response;
   try {
     response = await fetch(url, options);
   } catch (error) {
     if (error instanceof DOMException && error.name === "AbortError") throw error;
-    throw new ApiError("The server does not answer. Is motionseek serve still running?", 0);
+    throw new ApiError("The server does not respond. Is motionseek serve still running?", 0);
   }
   if (response.ok) return response;
-  const said = await response.json().catch(() => ({}));
-  throw new ApiError(said.error ?? `The server answered ${response.status}.`, response.status);
+  const { error } = await response.json().catch(() => ({}));
+  throw new ApiError(error ?? `The server responded with status ${response.status}.`, response.status);
 }
 
 /** @param {string} url @param {RequestInit} [options] */
-const askJson = async (url, options) => (await ask(url, options)).json();
+const requestJson = async (url, options) => (await request(url, options)).json();
 
 /** @param {AbortSignal} [signal] @returns {Promise<{query: string, hits: Hit[]}>} */
-export const search = (q, filters, k, offset, signal) => askJson(address("search", { q, k, offset, ...filters }), { signal });
+export const search = (q, filters, k, offset, signal) => requestJson(address("search", { q, k, offset, ...filters }), { signal });
 
 /** Moments of the whole library. @param {AbortSignal} [signal] @returns {Promise<{hits: Hit[]}>} */
-export const moments = (q, filters, k, offset, signal) => askJson(address("moments", { q, k, offset, ...filters }), { signal });
+export const moments = (q, filters, k, offset, signal) => requestJson(address("moments", { q, k, offset, ...filters }), { signal });
 
 /**
- * Moments of one clip, and how alike it is to the sentence over time.
+ * Moments of one clip, and its similarity to the sentence over time.
  * @returns {Promise<{hits: Hit[], curve: {times: number[], similarity: Record<string, number[]>}}>}
  */
-export const momentsIn = (clip, q, k) => askJson(address("moments", { clip, q, k, split: false }));
+export const momentsIn = (clip, q, k) => requestJson(address("moments", { clip, q, k, split: false }));
 
 /** @returns {Promise<{sentences: {text: string, score: number}[]}>} */
-export const describe = (clip, start, end, k = 5) => askJson(address("describe", { clip, start, end, k }));
+export const describe = (clip, start, end, k = 5) => requestJson(address("describe", { clip, start, end, k }));
 
 /** @param {AbortSignal} [signal] @returns {Promise<{query: string, hits: Hit[]}>} */
 export const similar = (clip, start, end, filters, k, offset, signal) =>
-  askJson(address("similar", { clip, start, end, k, offset, ...filters }), { signal });
+  requestJson(address("similar", { clip, start, end, k, offset, ...filters }), { signal });
 
 /** @param {AbortSignal} [signal] @returns {Promise<{total: number, motions: MotionInfo[]}>} */
-export const motions = (filters, limit, offset, signal) => askJson(address("motions", { limit, offset, ...filters }), { signal });
+export const motions = (filters, limit, offset, signal) => requestJson(address("motions", { limit, offset, ...filters }), { signal });
 
 /** @returns {Promise<MotionInfo>} */
-export const motion = (clip) => askJson(address(`motions/${clip}`));
+export const motion = (clip) => requestJson(address(`motions/${clip}`));
 
 /** @returns {Promise<MapData>} */
-export const map = () => askJson(address("map"));
+export const map = () => requestJson(address("map"));
 
 /** @returns {Promise<Record<string, any>>} */
-export const stats = () => askJson(address("stats"));
+export const stats = () => requestJson(address("stats"));
 
-/** Hand a file over; the answer's `clip` names it from then on. @param {File} file @returns {Promise<{clip: string}>} */
-export const upload = (file) => askJson(address("describe", { name: file.name }), { method: "POST", body: file });
+/** Upload a file; `clip` in the response names it from then on. @param {File} file @returns {Promise<{clip: string}>} */
+export const upload = (file) => requestJson(address("describe", { name: file.name }), { method: "POST", body: file });
 
-/** Where a cut is downloaded. */
+/** The URL of a cut as a file. */
 export const exportAddress = (clip, start, end, format) => address("export", { clip, start, end, format });
 
-const KEPT = 96;
-/** @type {Map<string, Promise<Motion>>} the last motions fetched, oldest first */
-const kept = new Map();
+const CACHED = 96;
+/** @type {Map<string, Promise<Motion>>} an LRU cache of motions by URL, oldest first */
+const cache = new Map();
 
 /**
- * The joints of a span, fetched once.
+ * The joints of a span, cached.
  * @param {number | string} clip @param {number} [start] @param {number} [end] @param {number} [fps]
  * @returns {Promise<Motion>}
  */
 export function joints(clip, start, end, fps = 20) {
   const url = address(`motions/${clip}/joints`, { start, end, fps });
-  const found = kept.get(url) ?? ask(url).then(async (response) => new Motion(await response.arrayBuffer()));
-  kept.delete(url);
-  kept.set(url, found);
-  found.catch(() => kept.delete(url));
-  if (kept.size > KEPT) kept.delete(/** @type {string} */ (kept.keys().next().value));
+  const found = cache.get(url) ?? request(url).then(async (response) => new Motion(await response.arrayBuffer()));
+  cache.delete(url);
+  cache.set(url, found);
+  found.catch(() => cache.delete(url));
+  if (cache.size > CACHED) cache.delete(/** @type {string} */ (cache.keys().next().value));
   return found;
 }

@@ -1,12 +1,12 @@
 /**
- * Building elements. Text goes in as text nodes only: what comes from files can never become markup.
+ * DOM helpers. Text is inserted as text nodes only, so that text from files cannot become markup.
  */
 
 const SVG = "http://www.w3.org/2000/svg";
 
 /**
  * @param {string} tag
- * @param {Record<string, any>} [attributes] `class`, `on…` listeners, `true`/`false` for what is there or not, the rest as is
+ * @param {Record<string, any>} [attributes] `on…` are listeners, booleans set or omit an attribute, others are set as strings
  * @param {...(Node | string | number | null | undefined)} children
  * @returns {HTMLElement}
  */
@@ -30,10 +30,10 @@ function filled(node, attributes, children) {
   return node;
 }
 
-/** The element of the page with an id. @param {string} id @returns {any} */
+/** `document.getElementById`. @param {string} id @returns {any} */
 export const byId = (id) => document.getElementById(id);
 
-/** Seconds as people read them: `4.2 s`, `3:07`. @param {number} seconds */
+/** A duration as text: `4.2 s`, `3:07`. @param {number} seconds */
 export function clock(seconds) {
   if (seconds < 60) return `${seconds.toFixed(1)} s`;
   const whole = Math.round(seconds);
@@ -43,7 +43,7 @@ export function clock(seconds) {
 /** @param {number} value @param {number} low @param {number} high */
 export const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
-/** A shape and a word for how sure a hit is, so that it never rests on colour. @param {string} strength */
+/** The strength of a hit as bars and a word, so that it does not depend on colour. @param {string} strength */
 export function strengthMark(strength) {
   if (!strength) return null;
   const level = { strong: 3, plausible: 2, weak: 1 }[strength] ?? 1;

@@ -1,5 +1,5 @@
 /**
- * A person made of tapered capsules, with the ground and a soft shadow: one draw call each.
+ * A figure of tapered capsules with ground and soft shadow: one draw call each.
  */
 
 import {
@@ -19,8 +19,8 @@ import {
 import * as shaders from "./shaders.js";
 
 /**
- * From joint, to joint, radius at either end, part. A negative "to" goes on beyond the joint, away from joint -to,
- * by the last number: heads, hands and toes have no joint at their tip.
+ * From joint, to joint, radius at either end, part. A negative "to" extends beyond the joint, away from joint -to,
+ * by the last number in metres: heads, hands and toes have no joint at their tip.
  * @type {[number, number, number, number, "body" | "left" | "right", number?][]}
  */
 const BONES = [
@@ -34,7 +34,7 @@ const BONES = [
   [17, 19, 0.052, 0.041, "right"], [19, 21, 0.041, 0.031, "right"], [21, -19, 0.034, 0.024, "right", 0.09],
 ]; // prettier-ignore
 
-/** Joints that leave a trail, and the part whose tint it takes. */
+/** Joints that leave a trail, and the part whose colour it has. */
 const TRAILS = /** @type {[number, "body" | "left" | "right"][]} */ ([[20, "left"], [21, "right"], [10, "left"], [11, "right"], [0, "body"]]);
 const TRAIL_SECONDS = 1.6;
 const TRAIL_PIECES = 32;
@@ -62,7 +62,7 @@ function mesh(geometry, material, order) {
   return made;
 }
 
-// All count as transparent, so that they are drawn in their order: shadow, ground, body, trail.
+// All are transparent, so that render order decides: shadow, ground, body, trail.
 const bodyMaterial = new ShaderMaterial({
   vertexShader: shaders.capsuleVertex, fragmentShader: shaders.capsuleFragment, transparent: true, premultipliedAlpha: true,
 }); // prettier-ignore
@@ -112,10 +112,10 @@ export class Figure {
     shadowMaterial.uniforms.strength.value = palette.shadow;
   }
 
-  /** Take the pose of a motion at a second. @param {import("./motion.js").Motion} motion @param {number} time */
+  /** Set the pose of a motion at a time in seconds. @param {import("./motion.js").Motion} motion @param {number} time */
   take(motion, time) {
     motion.sample(time, this.pose);
-    // Numbers are written in place: this runs for every bone of every figure in every frame.
+    // Written in place: this runs for every bone of every figure in every frame.
     const [a, b] = [this.a.array, this.b.array];
     for (let i = 0; i < BONES.length; i++) {
       const [from, to, near, far, , beyond = 0] = BONES[i];
@@ -132,17 +132,17 @@ export class Figure {
     if (this.trail.visible) this.#takeTrail(motion, time);
   }
 
-  /** Put the ground's middle under the camera's target: it is shared by all figures, so once a drawing. */
+  /** Centre the ground under the camera's target; it is shared by all figures, so this is done before each draw. */
   ground(x, z) {
     groundMaterial.uniforms.centre.value.set(x, z);
   }
 
   dispose() {
-    // The base geometry's attributes are shared: only what is this figure's own is given back.
+    // The attributes of the base geometry are shared; only this figure's own are disposed of.
     for (const part of this.meshes.slice(1)) part.geometry.dispose();
   }
 
-  /** From joint to joint, metres; never 0. @param {number} from @param {number} to */
+  /** The distance of two joints in metres, never 0. @param {number} from @param {number} to */
   #length(from, to) {
     const { pose } = this;
     return Math.hypot(pose[3 * from] - pose[3 * to], pose[3 * from + 1] - pose[3 * to + 1], pose[3 * from + 2] - pose[3 * to + 2]) || 1;

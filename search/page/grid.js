@@ -6,8 +6,8 @@ import * as api from "./api.js";
 import { byId, clock, el, strengthMark } from "./dom.js";
 import { link } from "./state.js";
 
-const LONGEST = 10; // seconds that a card plays
-const POSTER = 0.4; // of the span: the pose shown while nothing moves
+const MAX_SECONDS = 10; // that a card plays
+const POSTER = 0.4; // fraction of the span whose pose is shown while paused
 
 export class Grid {
   /** @param {import("./stage.js").Stage | null} stage @param {HTMLElement} list @param {() => boolean} isPlaying */
@@ -51,13 +51,13 @@ export class Grid {
     this.list.replaceChildren();
   }
 
-  /** All figures, or none. */
+  /** Play or pause all figures. */
   refresh() {
     for (const { view } of this.cards) this.#play(view, this.isPlaying());
   }
 
-  /** The hit of the card that has the focus. @returns {import("./api.js").Hit | null} */
-  get chosen() {
+  /** The hit of the focused card. @returns {import("./api.js").Hit | null} */
+  get focused() {
     const card = document.activeElement?.closest?.(".card");
     return card && this.list.contains(card) ? /** @type {any} */ (card).motionseek.hit : null;
   }
@@ -98,7 +98,7 @@ export class Grid {
     this.seen.unobserve(card);
     const { hit, view, figure } = /** @type {any} */ (card).motionseek;
     try {
-      const motion = await api.joints(hit.clip, hit.start, Math.min(hit.end, hit.start + LONGEST));
+      const motion = await api.joints(hit.clip, hit.start, Math.min(hit.end, hit.start + MAX_SECONDS));
       figure.classList.remove("loading");
       if (!view || !this.stage?.views.has(view)) return;
       view.show(motion);
@@ -110,7 +110,7 @@ export class Grid {
     }
   }
 
-  /** Arrow keys go from card to card as they lie. @param {KeyboardEvent} event */
+  /** Arrow keys move the focus between cards. @param {KeyboardEvent} event */
   #move(event) {
     const at = this.cards.findIndex(({ card }) => card === document.activeElement);
     const columns = getComputedStyle(this.list).gridTemplateColumns.split(" ").length;

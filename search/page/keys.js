@@ -1,12 +1,12 @@
 /**
- * Every key of the page, and the list of them that help shows.
+ * Keyboard shortcuts, and their list in the help dialog.
  */
 
 import { byId, el } from "./dom.js";
 
 /**
  * @typedef {{key: string, says: string, shown?: string, viewer?: boolean, act: () => void}} Key
- *   `viewer`: only while a clip is open (true) or only while none is (false); else always
+ *   `viewer`: active only while a clip is open (true), only while none is (false), or always
  */
 
 /** @param {Key[]} keys @param {() => boolean} viewing whether a clip is open */
@@ -23,6 +23,6 @@ export function listen(keys, viewing) {
     found.act();
   });
   const shown = [...new Map(keys.map(({ key, shown: name, says }) => [says, name ?? key])).entries()];
-  const rest = /** @type {[string, string][]} */ ([["go from figure to figure, point to point", "← → ↑ ↓"], ["open", "Enter"]]);
+  const rest = /** @type {[string, string][]} */ ([["move between figures or points", "← → ↑ ↓"], ["open", "Enter"]]);
   byId("keys").replaceChildren(...[...shown, ...rest].flatMap(([says, key]) => [el("dt", {}, el("kbd", {}, key)), el("dd", {}, says)]));
 }

@@ -1,9 +1,9 @@
 /**
- * Puts the page together: the address says what is shown, the parts show it.
+ * The entry point: the URL fragment is the state, and every part of the page renders it.
  */
 
 import * as api from "./api.js";
-import { takeFiles } from "./drop.js";
+import { onFiles } from "./drop.js";
 import { byId, clock, el } from "./dom.js";
 import { Grid } from "./grid.js";
 import { listen } from "./keys.js";
@@ -13,14 +13,14 @@ import { Stage } from "./stage.js";
 import { CLOSED, filters, go, link, read, subscribe } from "./state.js";
 import { Viewer } from "./viewer.js";
 
-const PAUSE = 220; // milliseconds without typing after which is asked
-const GROWN = 15_000; // milliseconds between looks at whether the library grew
+const DEBOUNCE = 220; // milliseconds without typing before a search
+const POLL = 15_000; // milliseconds between checks whether the library has changed
 
 const dark = matchMedia("(prefers-color-scheme: dark)");
 const chosen = localStorage.getItem("theme");
 if (chosen) document.documentElement.dataset.theme = chosen;
 
-let waiting = 0; // the timer that runs while somebody types
+let waiting = 0; // the debounce timer of the search box
 let playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
 const isPlaying = () => playing;
 const stage = makeStage();
@@ -33,7 +33,7 @@ function makeStage() {
   try {
     return new Stage(byId("canvas"));
   } catch {
-    byId("library").textContent = "This browser shows no WebGL: figures stay hidden, all else works.";
+    byId("library").textContent = "This browser has no WebGL: figures are not shown, everything else works.";
     return null;
   }
 }
@@ -63,23 +63,23 @@ function show(state) {
   if (stage) stage.dirty = true;
 }
 
-/** Asking starts a new question: it leaves an open clip, a likeness, a pick. */
+/** A new search closes an open clip and drops a similarity query or a selection. */
 const ask = (/** @type {Partial<import("./state.js").State>} */ changes, quietly) =>
   go({ ...CLOSED, like: "", from: "", to: "", ids: "", ...changes }, { quietly });
 
-/** Ask what is written: now, or once nothing was typed for a while. */
-function askWritten() {
+/** Search for the text in the search box. */
+function searchTyped() {
   clearTimeout(waiting);
   waiting = 0;
   ask({ q: byId("q").value.trim() }, Boolean(read().q));
 }
 byId("q").addEventListener("input", () => {
   clearTimeout(waiting);
-  waiting = setTimeout(askWritten, PAUSE);
+  waiting = setTimeout(searchTyped, DEBOUNCE);
 });
 byId("ask").addEventListener("submit", (/** @type {Event} */ event) => {
   event.preventDefault();
-  askWritten();
+  searchTyped();
 });
 byId("q").addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
   if (event.key !== "ArrowDown" || !grid.cards.length) return;
@@ -92,7 +92,7 @@ let narrowing = 0;
 byId("filters").addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());
 byId("filters").addEventListener("input", () => {
   clearTimeout(narrowing);
-  narrowing = setTimeout(() => go(Object.fromEntries(new FormData(byId("filters"))), { quietly: true }), PAUSE);
+  narrowing = setTimeout(() => go(Object.fromEntries(new FormData(byId("filters"))), { quietly: true }), DEBOUNCE);
 });
 byId("filters").addEventListener("reset", () => go({ min: "", max: "", path: "", format: "", rig: "", captioned: "" }));
 byId("filters-button").addEventListener("click", () => {
@@ -125,7 +125,7 @@ function changeTheme() {
 byId("theme").addEventListener("click", changeTheme);
 dark.addEventListener("change", repaint);
 
-takeFiles(async (file) => {
+onFiles(async (file) => {
   byId("status").textContent = byId("viewer-status").textContent = `Reading ${file.name}…`;
   try {
     const { clip } = await api.upload(file);
@@ -138,37 +138,37 @@ takeFiles(async (file) => {
 const help = () => byId("help").showModal();
 byId("help-button").addEventListener("click", help);
 
-/** What is like the open clip's cut, or like the card that has the focus. */
+/** Clips similar to the cut of the open clip, or to the focused card. */
 function similar() {
-  const hit = grid.chosen;
+  const hit = grid.focused;
   if (read().clip) byId("similar").click();
   else if (hit) go({ q: "", ids: "", like: String(hit.clip), from: hit.start.toFixed(2), to: hit.end.toFixed(2) });
 }
 
-/** Download the open clip's cut, or the span of the card that has the focus. */
+/** Download the cut of the open clip, or the span of the focused card. */
 function save() {
-  const hit = grid.chosen;
+  const hit = grid.focused;
   if (read().clip) byId("export").click();
   else if (hit) el("a", { href: api.exportAddress(hit.clip, hit.start, hit.end, "bvh"), download: true }).click();
 }
 
 listen([
-  { key: "/", says: "write a sentence", act: () => byId("q").select() },
+  { key: "/", says: "focus the search box", act: () => byId("q").select() },
   { key: " ", shown: "Space", says: "play or pause", viewer: true, act: () => viewer.toggle() },
   { key: " ", shown: "Space", says: "play or pause", viewer: false, act: togglePlaying },
-  { key: "ArrowLeft", shown: ", .", says: "one frame back or on", viewer: true, act: () => viewer.step(-0.05) },
-  { key: "ArrowRight", shown: ", .", says: "one frame back or on", viewer: true, act: () => viewer.step(0.05) },
-  { key: ",", says: "one frame back or on", shown: ", .", viewer: true, act: () => viewer.step(-0.05) },
-  { key: ".", says: "one frame back or on", shown: ", .", viewer: true, act: () => viewer.step(0.05) },
-  { key: "[", says: "in point here", viewer: true, act: () => viewer.markHere("in") },
-  { key: "]", says: "out point here", viewer: true, act: () => viewer.markHere("out") },
+  { key: "ArrowLeft", shown: ", .", says: "previous or next frame", viewer: true, act: () => viewer.step(-0.05) },
+  { key: "ArrowRight", shown: ", .", says: "previous or next frame", viewer: true, act: () => viewer.step(0.05) },
+  { key: ",", says: "previous or next frame", shown: ", .", viewer: true, act: () => viewer.step(-0.05) },
+  { key: ".", says: "previous or next frame", shown: ", .", viewer: true, act: () => viewer.step(0.05) },
+  { key: "[", says: "set the in point", viewer: true, act: () => viewer.markHere("in") },
+  { key: "]", says: "set the out point", viewer: true, act: () => viewer.markHere("out") },
   { key: "+", shown: "+ - 0", says: "zoom the time line", viewer: true, act: () => viewer.timeline.zoomBy(2) },
   { key: "=", shown: "+ - 0", says: "zoom the time line", viewer: true, act: () => viewer.timeline.zoomBy(2) },
   { key: "-", shown: "+ - 0", says: "zoom the time line", viewer: true, act: () => viewer.timeline.zoomBy(1 / 2) },
   { key: "0", shown: "+ - 0", says: "zoom the time line", viewer: true, act: () => viewer.timeline.zoomBy(0) },
   { key: "l", says: "loop", viewer: true, act: () => byId("loop").click() },
   { key: "t", says: "trail", viewer: true, act: () => byId("trail").click() },
-  { key: "a", says: "ask the take another sentence", viewer: true, act: () => byId("track").focus() },
+  { key: "a", says: "search the take for another sentence", viewer: true, act: () => byId("track").focus() },
   { key: "e", says: "export the cut", act: save },
   { key: "s", says: "more like this", act: similar },
   { key: "m", says: "map", act: () => go({ ...CLOSED, view: read().view === "map" ? "" : "map" }) },
@@ -178,12 +178,12 @@ listen([
   { key: "?", says: "this help", act: help },
 ], () => Boolean(read().clip)); // prettier-ignore
 
-/** What the library holds; shown again when it grew. */
+/** Show the size and the filters of the library, again when it has changed. */
 let generation = -1;
-async function lookAtLibrary() {
+async function updateLibrary() {
   const stats = await api.stats().catch(() => null);
   if (!stats || stats.generation === generation) return;
-  const grown = generation >= 0;
+  const changed = generation >= 0;
   generation = stats.generation;
   if (stage) byId("library").textContent = `${stats.clips} clips · ${clock(stats.seconds)}`;
   for (const [name, counts] of [["format", stats.formats], ["rig", stats.rigs]]) {
@@ -191,13 +191,13 @@ async function lookAtLibrary() {
     select.replaceChildren(select.options[0], ...Object.keys(counts).map((value) => el("option", { value }, `${value} (${counts[value]})`)));
     select.value = read()[name];
   }
-  if (!grown) return;
+  if (!changed) return;
   plane.refresh({ again: true });
   if (read().view === "map" || !grid.cards.length) { results.asked = ""; show(read()); } // prettier-ignore
 }
-setInterval(() => document.visibilityState === "visible" && lookAtLibrary(), GROWN);
+setInterval(() => document.visibilityState === "visible" && updateLibrary(), POLL);
 
 subscribe(show);
 showPlaying();
 show(read());
-lookAtLibrary();
+updateLibrary();

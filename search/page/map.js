@@ -1,16 +1,16 @@
 /**
- * The library as points in a plane: colours say what clips look like, the query lights up its answers.
+ * The library as points in a plane: colours show the nearest description, the hits of the query are ringed.
  */
 
 import * as api from "./api.js";
 import { byId, clamp, el } from "./dom.js";
 import { filters, go, link } from "./state.js";
 
-const COLOURS = 8; // labels with a colour of their own; the others share one
+const COLOURS = 8; // labels with their own colour; the others share one
 const MARGIN = 26;
-const NEAR = 14; // pixels around a point that count as on it
-const MOST_PICKED = 60;
-const ANSWERS = 60;
+const NEAR = 14; // pixels: hit radius of a point
+const MAX_SELECTED = 60;
+const HITS = 60;
 
 export class Plane {
   /** @param {import("./stage.js").Stage | null} stage */
@@ -24,9 +24,9 @@ export class Plane {
     /** @type {[number, number][]} the lasso, in pixels */
     this.lasso = [];
     /** @type {Set<number>} */
-    this.picked = new Set();
-    /** @type {Map<number, import("./api.js").Hit>} place in the data -> what the query says of it */
-    this.answers = new Map();
+    this.selected = new Set();
+    /** @type {Map<number, import("./api.js").Hit>} index in the data -> hit of the query */
+    this.hits = new Map();
     this.canvas.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => this.#over(event));
     this.canvas.addEventListener("pointerleave", () => this.#hover(-1));
     this.canvas.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => this.#down(event));
@@ -38,7 +38,7 @@ export class Plane {
   /** @param {import("./state.js").State} state */
   async show(state) {
     if (!this.data) {
-      byId("map-note").textContent = "Laying out the library…";
+      byId("map-note").textContent = "Computing the map…";
       try {
         this.data = await api.map();
       } catch (error) {
@@ -46,18 +46,18 @@ export class Plane {
         return;
       }
     }
-    byId("map-note").textContent = this.data.clips.length ? "" : "The library is empty: motionseek index FOLDER fills it.";
+    byId("map-note").textContent = this.data.clips.length ? "" : "The library is empty. Add clips with: motionseek index FOLDER";
     this.#showLabels();
-    await this.#light(state);
+    await this.#showHits(state);
   }
 
-  /** The library grew, or the theme changed. */
+  /** Redraw after a change of the theme, or with `again` of the library. */
   refresh({ again = false } = {}) {
     if (again) this.data = null;
     this.draw();
   }
 
-  /** All points, and what lies over them. */
+  /** Draw the points and the overlay. */
   draw() {
     const { canvas, data } = this;
     if (!canvas.clientWidth || !data) return;
@@ -66,11 +66,11 @@ export class Plane {
     const pen = this.points.getContext("2d");
     const style = getComputedStyle(document.documentElement);
     const colours = Array.from({ length: COLOURS + 1 }, (_, kind) => style.getPropertyValue(kind < COLOURS ? `--kind-${kind}` : "--kind-other"));
-    const lit = this.answers.size > 0;
+    const lit = this.hits.size > 0;
     pen.scale(ratio, ratio);
     data.clips.forEach((_, i) => {
       const [x, y] = this.#place(i);
-      const dim = (lit && !this.answers.has(i)) || (this.picked.size > 0 && !this.picked.has(i));
+      const dim = (lit && !this.hits.has(i)) || (this.selected.size > 0 && !this.selected.has(i));
       pen.globalAlpha = dim ? 0.22 : 1;
       pen.fillStyle = colours[Math.min(data.label[i], COLOURS)];
       pen.beginPath();
@@ -80,7 +80,7 @@ export class Plane {
     this.#mark();
   }
 
-  /** Rings and the lasso over the points, which stay as they are: a library may have a hundred thousand. */
+  /** Draw the overlay, rings and lasso; the points are cached, as there may be a hundred thousand. */
   #mark() {
     const { canvas } = this;
     if (!canvas.clientWidth || !this.data || !this.points.width) return;
@@ -91,7 +91,7 @@ export class Plane {
     pen.clearRect(0, 0, canvas.width, canvas.height);
     pen.drawImage(this.points, 0, 0);
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    for (const [i, { strength }] of this.answers) ring(pen, ...this.#place(i), this.#size() + 3.5, accent, strength === "strong" ? 2.5 : 1.25);
+    for (const [i, { strength }] of this.hits) ring(pen, ...this.#place(i), this.#size() + 3.5, accent, strength === "strong" ? 2.5 : 1.25);
     if (this.hovered >= 0) ring(pen, ...this.#place(this.hovered), this.#size() + 6, accent, 2.5);
     if (this.lasso.length < 2) return;
     pen.strokeStyle = accent;
@@ -116,20 +116,20 @@ export class Plane {
     return [MARGIN + data.x[i] * (width - 2 * MARGIN), MARGIN + (1 - data.y[i]) * (height - 2 * MARGIN)];
   }
 
-  /** Ring the answers of the sentence. @param {import("./state.js").State} state */
-  async #light(state) {
-    this.answers = new Map();
+  /** Ring the hits of the sentence. @param {import("./state.js").State} state */
+  async #showHits(state) {
+    this.hits = new Map();
     const data = /** @type {import("./api.js").MapData} */ (this.data);
     if (state.q) {
-      const { hits } = await api.search(state.q, filters(state), ANSWERS, 0).catch(() => ({ hits: [] }));
+      const { hits } = await api.search(state.q, filters(state), HITS, 0).catch(() => ({ hits: [] }));
       const place = new Map(data.clips.map((clip, i) => [clip, i]));
       const sure = hits.filter((hit) => hit.strength === "strong" || hit.strength === "plausible");
       for (const hit of sure.length ? sure : hits.slice(0, 5)) {
         const i = place.get(/** @type {number} */ (hit.clip));
-        if (i !== undefined) this.answers.set(i, hit);
+        if (i !== undefined) this.hits.set(i, hit);
       }
-      byId("map-said").textContent = sure.length ? `${this.answers.size} clips answer “${state.q}”.` : `Nothing surely answers “${state.q}”: the nearest are ringed.`;
-    } else byId("map-said").textContent = "Hover to see a clip move. Draw around points to pick them (Shift: a rectangle), or Shift and click.";
+      byId("map-status").textContent = sure.length ? `${this.hits.size} clips match “${state.q}”.` : `No good match for “${state.q}”; the nearest clips are ringed.`;
+    } else byId("map-status").textContent = "Hover to play a clip. Drag to select with a lasso (with Shift: a rectangle), or Shift-click a point.";
     this.draw();
   }
 
@@ -142,7 +142,7 @@ export class Plane {
         el("span", { class: `swatch k${i < COLOURS ? i : "other"}`, "aria-hidden": "true" }), el("span", {}, text), el("small", {}, counts[i]));
       button.addEventListener("click", () => {
         const kind = this.label === i ? -1 : i;
-        this.#take(this.#where((j) => data.label[j] === kind), kind);
+        this.#select(this.#where((j) => data.label[j] === kind), kind);
       });
       return el("li", {}, button);
     })); // prettier-ignore
@@ -184,41 +184,41 @@ export class Plane {
       stop.abort();
       const { lasso } = this;
       this.lasso = [];
-      if (lasso.length > 2) this.#take(this.#where((i) => inside(this.#place(i), lasso)));
-      else if (this.hovered < 0) this.#take(new Set());
+      if (lasso.length > 2) this.#select(this.#where((i) => inside(this.#place(i), lasso)));
+      else if (this.hovered < 0) this.#select(new Set());
       else if (event.shiftKey) this.#toggle(this.hovered);
       else go({ clip: String(this.data?.clips[this.hovered]) });
     };
     for (const name of ["pointerup", "pointercancel"]) addEventListener(name, end, { signal: stop.signal });
   }
 
-  /** The places in the data that meet a condition. @param {(i: number) => boolean} condition */
+  /** Indices of the points that meet a condition. @param {(i: number) => boolean} condition */
   #where(condition) {
     return new Set(/** @type {import("./api.js").MapData} */ (this.data).clips.map((_, i) => i).filter(condition));
   }
 
-  /** Pick a point more, or let go of it. @param {number} i */
+  /** Select or deselect a point. @param {number} i */
   #toggle(i) {
-    const picked = new Set(this.picked);
-    if (!picked.delete(i)) picked.add(i);
-    this.#take(picked);
+    const selected = new Set(this.selected);
+    if (!selected.delete(i)) selected.add(i);
+    this.#select(selected);
   }
 
-  /** Pick points, those of a label where one was chosen; none lets go of all. @param {Set<number>} picked */
-  #take(picked, label = -1) {
+  /** Replace the selection; `label` is the label it came from. @param {Set<number>} selected */
+  #select(selected, label = -1) {
     const data = /** @type {import("./api.js").MapData} */ (this.data);
-    [this.picked, this.label] = [picked, label];
+    [this.selected, this.label] = [selected, label];
     [...byId("labels").querySelectorAll("button")].forEach((button, i) => button.setAttribute("aria-pressed", String(i === label)));
-    const ids = [...this.picked].map((i) => data.clips[i]);
-    const shown = ids.slice(0, MOST_PICKED);
-    byId("picked").hidden = !ids.length;
-    byId("picked").textContent = `Show ${ids.length > shown.length ? `${shown.length} of ` : ""}${ids.length} picked`;
-    byId("picked").href = link({ view: "", ids: shown.join(","), q: "", like: "" });
-    byId("map-said").textContent = ids.length ? `${ids.length} clips picked.` : "Nothing picked.";
+    const ids = [...this.selected].map((i) => data.clips[i]);
+    const shown = ids.slice(0, MAX_SELECTED);
+    byId("selected").hidden = !ids.length;
+    byId("selected").textContent = `Show ${ids.length > shown.length ? `${shown.length} of ` : ""}${ids.length} selected`;
+    byId("selected").href = link({ view: "", ids: shown.join(","), q: "", like: "" });
+    byId("map-status").textContent = ids.length ? `${ids.length} clips selected.` : "Nothing selected.";
     this.draw();
   }
 
-  /** Arrow keys go to the nearest point that way. @param {KeyboardEvent} event */
+  /** Arrow keys move to the nearest point in that direction. @param {KeyboardEvent} event */
   #key(event) {
     const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     if (!this.data?.clips.length || event.ctrlKey || event.metaKey) return;
@@ -230,7 +230,7 @@ export class Plane {
     }
     if (!way) return;
     event.preventDefault();
-    if (this.hovered < 0) return this.#hover([...this.answers.keys()][0] ?? 0);
+    if (this.hovered < 0) return this.#hover([...this.hits.keys()][0] ?? 0);
     const [x, y] = this.#place(this.hovered);
     let [best, least] = [this.hovered, Infinity];
     this.data.clips.forEach((_, i) => {
@@ -258,9 +258,9 @@ export class Plane {
     peek.style.top = `${clamp(y - 100, 0, Math.max(height - 240, 0))}px`;
     const text = this.data.labels[this.data.label[i]] ?? "";
     /** @type {HTMLElement} */ (peek.lastElementChild).textContent = text;
-    if (aloud) byId("map-said").textContent = text;
-    const answer = this.answers.get(i);
-    const motion = await api.joints(this.data.clips[i], answer?.start ?? 0, answer ? answer.end : 8).catch(() => null);
+    if (aloud) byId("map-status").textContent = text;
+    const hit = this.hits.get(i);
+    const motion = await api.joints(this.data.clips[i], hit?.start ?? 0, hit ? hit.end : 8).catch(() => null);
     if (!motion || this.hovered !== i || !this.view) return;
     this.view.show(motion);
     this.view.playing = true;
@@ -276,7 +276,7 @@ function ring(pen, x, y, radius, colour, width) {
   pen.stroke();
 }
 
-/** Whether a point lies inside a polygon, by how often a ray crosses its edges. */
+/** Whether a point lies inside a polygon, by ray casting. */
 function inside([x, y], corners) {
   let odd = false;
   corners.forEach(([ax, ay], i) => {

@@ -13,10 +13,10 @@ export class Motion {
   /** @param {ArrayBuffer} data */
   constructor(data) {
     const head = new DataView(data);
-    if (head.getUint32(0, false) !== 0x4d534a31 || head.getUint32(8, true) !== JOINTS) throw new Error("These are no joints.");
+    if (head.getUint32(0, false) !== 0x4d534a31 || head.getUint32(8, true) !== JOINTS) throw new Error("The server sent joints in an unknown format.");
     this.frames = head.getUint32(4, true);
     this.fps = head.getFloat32(12, true);
-    /** Second of the clip at which frame 0 lies. */
+    /** Time of the first frame in the clip, in seconds. */
     this.start = head.getFloat32(16, true);
     this.end = this.start + (this.frames - 1) / this.fps;
     const step = head.getFloat32(20, true);
@@ -30,7 +30,7 @@ export class Motion {
   }
 
   /**
-   * The pose at a second of the clip, between frames in a straight line.
+   * The pose at a time in the clip, linearly interpolated.
    * @param {number} time @param {Float32Array} pose (66) filled
    */
   sample(time, pose) {
@@ -40,7 +40,7 @@ export class Motion {
     for (let i = 0; i < JOINTS * 3; i++) pose[i] = this.positions[a + i] + part * (this.positions[b + i] - this.positions[a + i]);
   }
 
-  /** Where the camera looks at that second: x and z of a slow mover. @param {number} time @returns {[number, number]} */
+  /** The camera's target at a time: x and z of the smoothed root. @param {number} time @returns {[number, number]} */
   centre(time) {
     const [from, to, part] = this.#between(time);
     const at = (/** @type {number} */ axis) => this.follow[2 * from + axis] + part * (this.follow[2 * to + axis] - this.follow[2 * from + axis]);
@@ -54,7 +54,7 @@ export class Motion {
     return [from, Math.min(from + 1, this.frames - 1), at - from];
   }
 
-  /** The pelvis on the ground, averaged over a little more than a second. */
+  /** x and z of the pelvis, a moving average over `FOLLOW_SECONDS`. */
   #smoothRoot() {
     const half = Math.round((FOLLOW_SECONDS * this.fps) / 2);
     const sums = new Float64Array(2 * (this.frames + 1));
@@ -69,7 +69,7 @@ export class Motion {
     return smooth;
   }
 
-  /** The way the hips mostly face, as an angle around Y from +Z. */
+  /** The mean facing direction of the hips, as an angle around Y from +Z. */
   #heading() {
     let x = 0;
     let z = 0;
@@ -81,7 +81,7 @@ export class Motion {
     return Math.atan2(x, z);
   }
 
-  /** How far any joint goes from the camera's target sideways, and upward. */
+  /** The largest distance of any joint from the camera's target, and the largest height. */
   #reach() {
     let side = 0;
     let up = 0;

@@ -1,5 +1,5 @@
 /**
- * Asks what the state says and shows the answers; an answer that comes after a newer question is dropped.
+ * Runs the query of the state and shows its hits; a response that arrives after a newer query is dropped.
  */
 
 import * as api from "./api.js";
@@ -7,7 +7,7 @@ import { byId, clock, el } from "./dom.js";
 import { filters, link } from "./state.js";
 
 const PAGE = 24;
-const FARTHEST = 200; // answers after which moments and likenesses have no more
+const MAX_OFFSET = 200; // of moments and similar clips
 const SUGGESTIONS = ["a person walks forward", "someone waves with the right hand", "running and then jumping", "a person kicks a ball", "sits down on a chair", "climbs up a ladder", "dances happily"];
 
 export class Results {
@@ -35,10 +35,10 @@ export class Results {
     for (const chip of byId("chips").children) chip.href = link({ q: chip.dataset.q, view: "", clip: "" });
     try {
       const { signal } = this.running;
-      const { hits, said, total } = await answer(state, 0, signal);
+      const { hits, message, total } = await answer(state, 0, signal);
       if (signal.aborted) return;
       this.grid.show(hits);
-      this.#say(state, hits, said);
+      this.#report(state, hits, message);
       this.#offerMore(hits.length, total);
     } catch (error) {
       if (error instanceof DOMException && error.name === "AbortError") return;
@@ -46,7 +46,7 @@ export class Results {
       this.grid.clear();
       byId("status").textContent = "";
       byId("more").hidden = true;
-      this.#notice("That did not work", /** @type {Error} */ (error).message, el("button", { type: "button", onclick: () => this.show(state) }, "Try again"));
+      this.#notice("Request failed", /** @type {Error} */ (error).message, el("button", { type: "button", onclick: () => this.show(state) }, "Try again"));
     }
     this.#loading(false);
   }
@@ -71,16 +71,16 @@ export class Results {
     byId("results").setAttribute("aria-busy", String(whether));
   }
 
-  /** @param {import("./state.js").State} state @param {any[]} hits @param {string} said */
-  #say(state, hits, said) {
+  /** @param {import("./state.js").State} state @param {any[]} hits @param {string} message */
+  #report(state, hits, message) {
     byId("notice").hidden = true;
-    byId("status").textContent = said;
+    byId("status").textContent = message;
     const filtered = Object.values(filters(state)).some(Boolean);
     if (!hits.length && !state.q && !state.like && !filtered)
-      this.#notice("This library is empty", "Point motionseek at a folder of motion capture, then come back:", el("code", {}, "motionseek index my_mocap/"));
-    else if (!hits.length) this.#notice("Nothing found", filtered ? "No clip meets the filters. Loosen them, or clear them all." : "There is nothing to show for that.");
+      this.#notice("This library is empty", "Index a folder of motion capture:", el("code", {}, "motionseek index my_mocap/"));
+    else if (!hits.length) this.#notice("Nothing found", filtered ? "No clip passes the filters. Change or clear them." : "There are no clips to show.");
     else if (state.q && hits.every((hit) => hit.strength === "weak"))
-      this.#notice("Nothing here clearly matches", `These are the nearest to “${state.q}”, and all of them are weak. Try plainer words: what the body does, with which hand or foot, which way.`);
+      this.#notice("No good match", `The clips nearest to “${state.q}” are all weak matches. Try plainer words: what the body does, with which hand or foot, in which direction.`);
   }
 
   #notice(title, text, ...rest) {
@@ -91,7 +91,7 @@ export class Results {
 
 /**
  * @param {import("./state.js").State} state @param {number} offset @param {AbortSignal} signal
- * @returns {Promise<{hits: import("./api.js").Hit[], said: string, total: number}>} total: Infinity where not known
+ * @returns {Promise<{hits: import("./api.js").Hit[], message: string, total: number}>} total: Infinity where not known
  */
 async function answer(state, offset, signal) {
   const given = filters(state);
@@ -99,25 +99,25 @@ async function answer(state, offset, signal) {
     const ids = state.ids.split(",").slice(offset, offset + PAGE);
     const found = await Promise.all(ids.map((id) => api.motion(id).catch(() => null)));
     const hits = found.filter((info) => info !== null).map(whole);
-    return { hits, said: `${state.ids.split(",").length} clips picked on the map`, total: state.ids.split(",").length };
+    return { hits, message: `${state.ids.split(",").length} clips selected on the map`, total: state.ids.split(",").length };
   }
   if (state.like) {
     const { hits, query } = await api.similar(state.like, state.from, state.to, given, PAGE, offset, signal);
     const span = state.from ? ` from ${state.from} to ${state.to} s` : "";
-    return { hits, said: `Moves like ${query}${span}`, total: FARTHEST };
+    return { hits, message: `Similar to ${query}${span}`, total: MAX_OFFSET };
   }
   if (state.q && state.moments) {
     const { hits } = await api.moments(state.q, given, PAGE, offset, signal);
-    return { hits, said: counted(hits, "moment", state.q), total: FARTHEST };
+    return { hits, message: counted(hits, "moment", state.q), total: MAX_OFFSET };
   }
   if (state.q) {
     const { hits } = await api.search(state.q, given, PAGE, offset, signal);
-    return { hits, said: counted(hits, "clip", state.q), total: Infinity };
+    return { hits, message: counted(hits, "clip", state.q), total: Infinity };
   }
   const { motions, total } = await api.motions(given, PAGE, offset, signal);
   const seconds = motions.reduce((sum, { duration }) => sum + duration, 0);
-  const said = total ? `${total} clips${total <= PAGE ? `, ${clock(seconds)}` : ""}. Ask for one in your own words.` : "";
-  return { hits: motions.map(whole), said, total };
+  const message = total ? `${total} clips${total <= PAGE ? `, ${clock(seconds)}` : ""}. Describe the motion you are looking for.` : "";
+  return { hits: motions.map(whole), message, total };
 }
 
 /** @param {import("./api.js").Hit[]} hits @param {string} thing @param {string} q */
@@ -125,9 +125,9 @@ function counted(hits, thing, q) {
   const sure = hits.filter(({ strength }) => strength === "strong" || strength === "plausible").length;
   const things = (/** @type {number} */ n) => `${n} ${thing}${n === 1 ? "" : "s"}`;
   if (sure && sure === hits.length) return `${things(sure)} or more for “${q}”`;
-  if (sure) return `${things(sure)} for “${q}”, then what comes nearest`;
+  if (sure) return `${things(sure)} for “${q}”, followed by weak matches`;
   return `The nearest ${things(hits.length)} to “${q}”`;
 }
 
-/** A clip as a hit that is no answer to anything. @param {import("./api.js").MotionInfo} info */
+/** A whole clip as a hit without a score. @param {import("./api.js").MotionInfo} info */
 const whole = (info) => /** @type {any} */ ({ clip: info.clip, path: info.path, start: 0, end: info.duration, duration: info.duration, strength: "", caption: info.captions?.[0]?.text ?? "" });

@@ -1,6 +1,6 @@
 /**
  * GLSL for the figure: tapered capsules, their soft shadow on the ground, and the ground's grid.
- * Colours are premultiplied by their alpha, as the canvas wants them.
+ * Colours have premultiplied alpha, as the canvas expects.
  */
 
 /** A capsule of two rings of vertices is stretched from a.xyz to b.xyz with radii a.w and b.w. */

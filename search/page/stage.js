@@ -1,5 +1,5 @@
 /**
- * One WebGL canvas behind all figures: every view is an element of the page whose rectangle is drawn into.
+ * One WebGL canvas for all figures: each view draws into the rectangle of its element.
  */
 
 import { PerspectiveCamera, WebGLRenderer } from "./vendor/three/three.module.min.js";
@@ -21,7 +21,7 @@ export class View {
     this.time = this.from = this.to = 0;
     [this.yaw, this.pitch, this.zoom, this.eye] = [0.6, PITCH, 1, 0.86];
     [this.playing, this.loop, this.speed, this.visible] = [false, true, 1, false];
-    /** @type {(() => void) | null} called after the time changed */
+    /** @type {(() => void) | null} called when the time has changed */
     this.onTime = null;
     this.#orbit();
   }
@@ -43,7 +43,7 @@ export class View {
     this.onTime?.();
   }
 
-  /** @param {number} seconds that went by */
+  /** @param {number} seconds elapsed */
   advance(seconds) {
     if (!this.playing || !this.motion) return;
     const next = this.time + seconds * this.speed;
@@ -57,7 +57,7 @@ export class View {
     this.stage.dirty = true;
   }
 
-  /** Drag turns, the wheel with Ctrl (or a pinch) comes nearer; a drag does not count as a click. */
+  /** Drag to turn, Ctrl and wheel (or pinch) to zoom; a drag is not a click. */
   #orbit() {
     let dragged = false;
     this.element.addEventListener("pointerdown", (down) => {
@@ -112,7 +112,7 @@ export class Stage {
     return view;
   }
 
-  /** Take the colours from the style sheet again. */
+  /** Read the colours from the style sheet. */
   repaint() {
     const style = getComputedStyle(document.documentElement);
     const colour = (/** @type {string} */ name) => style.getPropertyValue(`--figure-${name}`).trim().match(/[0-9a-f]{2}/gi)?.map((part) => parseInt(part, 16) / 255) ?? [0.5, 0.5, 0.5];
@@ -138,7 +138,7 @@ export class Stage {
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(width, height);
     }
-    // The canvas scrolls with the page and is then put back: figures stay in their elements while scrolling.
+    // The canvas scrolls with the page until it is moved back here, so that figures stay in their elements meanwhile.
     this.canvas.style.transform = `translate(${scrollX}px, ${scrollY}px)`;
     this.renderer.setScissorTest(false);
     this.renderer.clear();

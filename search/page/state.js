@@ -1,21 +1,21 @@
 /**
- * What is shown, kept in the address after the `#`: every view has a link, and the browser's back button works.
+ * The state of the page, kept in the URL fragment: every view has a link, and the back button works.
  */
 
 /**
  * @typedef {object} State
  * @property {string} q            the sentence
  * @property {string} moments      "1": ask for moments rather than clips
- * @property {string} min          filters: seconds at least
- * @property {string} max          seconds at most
- * @property {string} path         a pattern
+ * @property {string} min          filters: minimum duration in seconds
+ * @property {string} max          maximum duration in seconds
+ * @property {string} path         a glob
  * @property {string} format
- * @property {string} rig          a kind of skeleton, as the server calls it
+ * @property {string} rig          the name of a rig
  * @property {string} captioned    "true" or "false"
- * @property {string} like         a clip: show what is like it…
- * @property {string} from         …or like this span of it
+ * @property {string} like         a clip: show similar clips…
+ * @property {string} from         …or clips similar to this span of it
  * @property {string} to
- * @property {string} ids          clips picked on the map, with commas
+ * @property {string} ids          clips selected on the map, separated by commas
  * @property {string} view         "map" or ""
  * @property {string} clip         the clip that is open
  * @property {string} a            in point, seconds
@@ -32,7 +32,7 @@ export function read(hash = location.hash) {
   return /** @type {State} */ ({ ...state, ask: given.getAll("ask").slice(0, 8) });
 }
 
-/** The address of the present state with changes. @param {Partial<State>} changes */
+/** The fragment of the current state with changes. @param {Partial<State>} changes */
 export function link(changes) {
   const state = { ...read(), ...changes };
   const given = new URLSearchParams();
@@ -41,20 +41,20 @@ export function link(changes) {
   return `#${given}`;
 }
 
-/** What closes an open clip. */
+/** The changes that close an open clip. */
 export const CLOSED = { clip: "", a: "", b: "", ask: [] };
 
 /** @type {((state: State) => void)[]} */
 const listeners = [];
 
-/** @param {(state: State) => void} listener called with every state there comes to be */
+/** @param {(state: State) => void} listener called with every new state */
 export function subscribe(listener) {
   listeners.push(listener);
 }
 
 const tell = () => listeners.forEach((listener) => listener(read()));
 
-/** Go on to a state; `quietly` leaves no step for the back button. @param {Partial<State>} changes */
+/** Change the state; `quietly` adds no history entry. @param {Partial<State>} changes */
 export function go(changes, { quietly = false } = {}) {
   const address = link(changes);
   if (address === (location.hash || "#")) return;
@@ -62,7 +62,7 @@ export function go(changes, { quietly = false } = {}) {
   tell();
 }
 
-/** Note a change in the address that the page shows already. @param {Partial<State>} changes */
+/** Update the fragment for a change that is shown already. @param {Partial<State>} changes */
 export const note = (changes) => history.replaceState(null, "", link(changes));
 
 addEventListener("popstate", tell);

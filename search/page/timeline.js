@@ -1,15 +1,15 @@
 /**
- * The time line under a take: one coloured track a sentence, found moments, in and out points, the play head. It can be
- * zoomed: it is then wider than its place, which scrolls.
+ * The time line of a take: one track a sentence with similarity and moments, in and out points, the play head. When
+ * zoomed it is wider than its container, which scrolls.
  */
 
 import { clamp, clock, el, svg } from "./dom.js";
 
 const HEIGHT = 40;
-const LEAST_SPREAD = 0.2; // of similarity: less is not stretched over the whole height
+const MIN_RANGE = 0.2; // of similarity that is scaled to the full height
 const SHORTEST_CUT = 0.1;
-const CLOSEST = 20; // seconds that are seen at least
-const MARKS = 12; // on the ruler, at most, in what is seen
+const MIN_VISIBLE = 20; // seconds
+const MARKS = 12; // visible on the ruler, at most
 
 /**
  * @typedef {{text: string, colour: number, removable: boolean, times: number[], similarity: number[],
@@ -52,12 +52,12 @@ export class Timeline {
     this.zoomBy(0);
   }
 
-  /** How far it can be zoomed in. */
+  /** The largest zoom. */
   get most() {
-    return Math.max(this.duration / CLOSEST, 1);
+    return Math.max(this.duration / MIN_VISIBLE, 1);
   }
 
-  /** Zoom in (a factor above 1) or out, a second staying where it is; 0 shows the whole take. @param {number} factor */
+  /** Zoom in (factor above 1) or out around a time; 0 shows the whole take. @param {number} factor */
   zoomBy(factor, time = this.now) {
     const before = this.#place(time);
     this.zoom = clamp(this.zoom * factor, 1, this.most);
@@ -74,26 +74,26 @@ export class Timeline {
     this.ruler.replaceChildren(...marks.map((at) => this.#at(el("span", {}, step < 1 ? at.toFixed(1) : at < 60 ? `${at}` : clock(at)), at)));
   }
 
-  /** Where a second lies, in pixels of the window. @param {number} time */
+  /** The x coordinate of a time, in pixels of the window. @param {number} time */
   #place(time) {
     const { left, width } = this.ruler.getBoundingClientRect();
     return left + (time / this.duration) * width;
   }
 
-  /** The second under the pointer. @param {MouseEvent} event */
+  /** The time under the pointer. @param {MouseEvent} event */
   #time(event) {
     const { left, width } = this.ruler.getBoundingClientRect();
     return clamp((event.clientX - left) / width, 0, 1) * this.duration;
   }
 
-  /** How far outside of what is seen the play head is, in pixels. */
+  /** How far the play head is outside the visible part, in pixels. */
   #outside() {
     const { left, right } = this.root.getBoundingClientRect();
     const place = this.#place(this.now);
     return Math.min(place - left, 0) + Math.max(place - right, 0);
   }
 
-  /** Scroll to where the play head is, with what follows it in sight. */
+  /** Scroll to the play head, so that what follows it is visible. */
   #reveal() {
     if (this.#outside()) this.root.scrollLeft += this.#place(this.now) - this.root.getBoundingClientRect().left - 0.1 * this.root.clientWidth;
   }
@@ -109,17 +109,17 @@ export class Timeline {
 
   /** @param {number} time */
   seek(time) {
-    const followed = this.zoom > 1 && !this.held && !this.#outside(); // who scrolled elsewhere is left there
+    const followed = this.zoom > 1 && !this.held && !this.#outside(); // not after the user has scrolled away
     this.now = time;
     this.#value(this.head, time);
     if (followed) this.#reveal();
   }
 
-  /** @param {Track[]} tracks drawn on one scale, so that they can be compared */
+  /** @param {Track[]} tracks drawn on one scale, to be comparable */
   draw(tracks) {
     const all = tracks.flatMap((track) => track.similarity);
-    const top = all.reduce((most, value) => Math.max(most, value), LEAST_SPREAD);
-    const bottom = all.reduce((least, value) => Math.min(least, value), top - LEAST_SPREAD);
+    const top = all.reduce((most, value) => Math.max(most, value), MIN_RANGE);
+    const bottom = all.reduce((least, value) => Math.min(least, value), top - MIN_RANGE);
     this.tracks.replaceChildren(...tracks.map((track) => this.#track(track, bottom, top)));
   }
 
@@ -143,8 +143,8 @@ export class Timeline {
 
   /** @param {Track} track @param {import("./api.js").Hit} hit */
   #moment(track, hit) {
-    const said = `${track.text}: ${hit.start.toFixed(1)} to ${hit.end.toFixed(1)} s${hit.strength && `, ${hit.strength}`}`;
-    const button = el("button", { type: "button", class: `moment ${hit.strength || "unrated"}`, "aria-label": said, title: said, onclick: () => this.calls.onMoment(hit) });
+    const label = `${track.text}: ${hit.start.toFixed(1)} to ${hit.end.toFixed(1)} s${hit.strength && `, ${hit.strength}`}`;
+    const button = el("button", { type: "button", class: `moment ${hit.strength || "unrated"}`, "aria-label": label, title: label, onclick: () => this.calls.onMoment(hit) });
     button.style.width = `${(100 * (hit.end - hit.start)) / this.duration}%`;
     return this.#at(button, hit.start);
   }

@@ -1,5 +1,5 @@
 /**
- * One clip, large: playing, the time line, what it looks like, the cut.
+ * One clip: playback, time line, descriptions, cut and export.
  */
 
 import * as api from "./api.js";
@@ -7,12 +7,12 @@ import { byId, clamp, clock, el } from "./dom.js";
 import { CLOSED, go, link, note, read } from "./state.js";
 import { Timeline } from "./timeline.js";
 
-const LONG = 900; // seconds: longer takes come at half the frames
+const LONG = 900; // seconds; longer takes are fetched at half the frame rate
 const COLOURS = 6;
-const [LEAST, MOST] = [8, 200]; // moments a track: one more for each minute of the take
+const [MIN_MOMENTS, MAX_MOMENTS] = [8, 200]; // of a track, one more a minute of the take
 
 export class Viewer {
-  /** @param {import("./stage.js").Stage | null} stage @param {() => boolean} isPlaying whether a clip plays when opened */
+  /** @param {import("./stage.js").Stage | null} stage @param {() => boolean} isPlaying whether clips play when opened */
   constructor(stage, isPlaying) {
     Object.assign(this, { isPlaying, clip: "" });
     this.view = stage?.add(byId("big")) ?? null;
@@ -23,7 +23,7 @@ export class Viewer {
       onRemove: (text) => this.#removeTrack(text),
       onMoment: (hit) => this.#goTo(hit),
     });
-    /** @type {Map<string, object>} sentence -> its track in the open clip, but for colour */
+    /** @type {Map<string, object>} sentence -> its track in the open clip, without its colour */
     this.found = new Map();
     /** @type {string[]} */
     this.sentences = [];
@@ -67,7 +67,7 @@ export class Viewer {
   seek(time) {
     if (!this.view?.motion) return;
     const { motion } = this.view;
-    // Outside of the cut one looks at a pose: playing goes on within the cut.
+    // Seeking outside of the cut pauses; playback stays within the cut.
     this.view.time = clamp(time, motion.start, motion.end);
     if (time < this.view.from || time > this.view.to) this.view.playing = false;
     this.view.stage.dirty = true;
@@ -80,7 +80,7 @@ export class Viewer {
     this.seek((this.view?.time ?? 0) + seconds);
   }
 
-  /** Put the in point (or the out point) where the play head is. @param {"in" | "out"} end */
+  /** Set the in or out point at the play head. @param {"in" | "out"} end */
   markHere(end) {
     if (!this.info || !this.view) return;
     const { time } = this.view;
@@ -88,7 +88,7 @@ export class Viewer {
     else this.cut(Math.min(this.timeline.from, Math.max(time - 0.1, 0)), time, true);
   }
 
-  /** Set the in and out points. @param {number} from @param {number} to @param {boolean} done whether the address shall say so */
+  /** Set the in and out points. @param {number} from @param {number} to @param {boolean} done whether to update the URL fragment */
   cut(from, to, done) {
     if (!this.info) return;
     this.timeline.mark(from, to);
@@ -140,7 +140,7 @@ export class Viewer {
     document.title = `${info.name} – motionseek`;
     byId("viewer-title").textContent = info.name;
     byId("viewer-file").textContent = info.path;
-    const facts = { Duration: clock(info.duration), Frames: `${info.frames} at ${+info.fps.toFixed(2)} a second`, Format: info.format, Rig: info.rig };
+    const facts = { Duration: clock(info.duration), Frames: `${info.frames} at ${+info.fps.toFixed(2)} fps`, Format: info.format, Rig: info.rig, ...(info.root && { Clip: `#${info.clip}`, Folder: info.root }) };
     byId("viewer-facts").replaceChildren(...Object.entries(facts).flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]));
     const captions = (info.captions ?? []).slice(0, 6).map(({ text, start, end }) =>
       el("blockquote", {}, text, start === null ? null : el("small", {}, ` ${start.toFixed(1)}–${(end ?? info.duration).toFixed(1)} s`)));
@@ -159,10 +159,10 @@ export class Viewer {
     }
   }
 
-  /** Ask what was not yet asked of the clip; each answer is drawn as it comes. @param {import("./state.js").State} state */
+  /** Request the tracks that are missing; each is drawn when it arrives. @param {import("./state.js").State} state */
   #showTracks(state) {
     const { clip } = this;
-    const count = Math.min(LEAST + Math.floor(this.info.duration / 60), MOST);
+    const count = Math.min(MIN_MOMENTS + Math.floor(this.info.duration / 60), MAX_MOMENTS);
     this.sentences = [...new Set([state.q, ...state.ask].filter(Boolean))];
     for (const text of this.sentences) {
       if (this.found.has(text)) continue;
@@ -223,10 +223,10 @@ export class Viewer {
   }
 }
 
-/** What was found, as a track: sure moments, else the best guess. @param {string} text @param {Awaited<ReturnType<typeof api.momentsIn>>} answer */
+/** A response as a track: the strong and plausible moments, else the best one. @param {string} text @param {Awaited<ReturnType<typeof api.momentsIn>>} answer */
 function tracked(text, { hits, curve }) {
   const sure = hits.filter(({ strength }) => strength === "strong" || strength === "plausible");
-  const note = sure.length ? `${sure.length} ${sure.length === 1 ? "moment" : "moments"}` : "best guess only";
+  const note = sure.length ? `${sure.length} ${sure.length === 1 ? "moment" : "moments"}` : "weak match only";
   const similarity = curve.similarity[text] ?? Object.values(curve.similarity)[0] ?? [];
   return { text, times: curve.times, similarity, moments: sure.length ? sure : hits.slice(0, 1), note };
 }

@@ -273,7 +273,7 @@ def test_the_map_shows_clips_under_the_pointer_and_picks_by_lasso(opened):
     for x, y in [(right, 20), (right, bottom), (20, bottom)]:
         page.mouse.move(box["x"] + x, box["y"] + y, steps=3)
     page.mouse.up()
-    page.locator("#picked").click()
+    page.locator("#selected").click()
     _until(page, "document.querySelectorAll('#grid .card').length === 5")
     assert len(_state(page)["ids"].split(",")) == 5
 
@@ -288,19 +288,19 @@ def test_points_are_picked_by_rectangle_by_label_and_by_keys(opened):
     page.mouse.move(box["x"] + box["width"] - 15, box["y"] + box["height"] - 15, steps=4)
     page.mouse.up()
     page.keyboard.up("Shift")
-    assert page.locator("#picked").inner_text() == "Show 5 picked"
+    assert page.locator("#selected").inner_text() == "Show 5 selected"
     label = page.locator("#labels button").first
     label.click()
     assert label.get_attribute("aria-pressed") == "true"
-    assert page.locator("#picked").inner_text() == f"Show {label.locator('small').inner_text()} picked"
+    assert page.locator("#selected").inner_text() == f"Show {label.locator('small').inner_text()} selected"
     label.click()
-    assert not page.locator("#picked").is_visible()
+    assert not page.locator("#selected").is_visible()
     page.locator("#points").focus()
     page.keyboard.press("ArrowRight")
     page.keyboard.press("Space")
-    assert page.locator("#picked").inner_text() == "Show 1 picked"
+    assert page.locator("#selected").inner_text() == "Show 1 selected"
     page.keyboard.press("Space")
-    assert not page.locator("#picked").is_visible()
+    assert not page.locator("#selected").is_visible()
 
 
 def test_what_is_alike_goes_on_and_a_rig_narrows_it(opened, tmp_path, bundle):
