@@ -144,7 +144,7 @@ class Library(StoredLibrary):
             If the sentence is empty.
         """
         if isinstance(query, str):
-            question = Question.of(query, split_steps=False).encode(self.bundle)
+            question = self.encode(Question.of(query, split_steps=False))
         else:
             question = EncodedQuestion(unit_vector(query, self.bundle.latent_size)[None])
         return self.search_encoded(question, k, **filters)
@@ -199,10 +199,14 @@ class Library(StoredLibrary):
         """The moments that answer a question, in one motion or anywhere in the library; see `moments`."""
         k, allowed = checked_count(k), self.allowed(**filters)
         if ref is None:
-            return self._moment_hits(question.encode(self.bundle), k, allowed)
+            return self._moment_hits(self.encode(question), k, allowed)
         if allowed is not None:
             raise ArgumentError(f"{', '.join(filters)}: filters choose clips of the library, and a motion is given")
-        return moments_of(QueriedMotion(self.bundle, self.source(ref, fps=fps), question.encode(self.bundle)), k)
+        return moments_of(QueriedMotion(self.bundle, self.source(ref, fps=fps), self.encode(question)), k)
+
+    def encode(self, question: Question) -> EncodedQuestion:
+        """The question with its query vectors."""
+        return question.encode(self.bundle)
 
     def describe(
         self,

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from starlette.exceptions import HTTPException
 
 from indexer.store.clips import Clip
-from search.hits import Hit
+from search.hits import Hits
+from search.query.question import EncodedQuestion, Question
 from search.server.cache import Cache
 from search.server.microbatching import MicroBatcher, ServerBusy
 from search.server.prometheus import Metrics
@@ -38,7 +39,7 @@ class AppState:
         self.uploads = UploadStore(limits)
         self.metrics = Metrics()
         self.text_batches: MicroBatcher[str, NDArray[np.float32]] = MicroBatcher(library.encode_all)
-        self.search_batches: MicroBatcher[SearchRequest, list[Hit]] = MicroBatcher(
+        self.search_batches: MicroBatcher[SearchRequest, Hits] = MicroBatcher(
             library.search_all, workers=_SEARCH_WORKERS, max_batch=2
         )
         self._responses: Cache[bytes] = Cache(_CACHED_RESPONSES)
@@ -50,8 +51,8 @@ class AppState:
         self.search_batches.close()
         self.library.close()
 
-    async def encode(self, sentence: str) -> NDArray[np.float32]:
-        """The query vector (D,) of a sentence.
+    async def encode(self, question: Question) -> EncodedQuestion:
+        """The question with its query vectors.
 
         New sentences are encoded in batches of their own: that takes ten times as long as a search, and searches for
         known sentences need not wait for it.
@@ -61,8 +62,10 @@ class AppState:
         ServerBusy
             If too many sentences are queued.
         """
-        cached = self.library.cached_query(sentence)
-        return await self.text_batches.submit(sentence) if cached is None else cached
+        for sentence in question.sentences:
+            if not self.library.is_encoded(sentence):
+                await self.text_batches.submit(sentence)
+        return self.library.encode(question)
 
     async def run_slow(self, work: Callable[[], Value]) -> Value:
         """The result of slow work, run in a thread, only a few at the same time.

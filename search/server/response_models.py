@@ -27,7 +27,7 @@ class HitModel(BaseModel):
     duration: float
     caption: str
     clip: ClipKey
-    root: str | None = None
+    root: str | None
     steps: list[StepModel] | None = None
 
 
@@ -74,7 +74,7 @@ class CaptionModel(BaseModel):
     end: float | None
 
 
-class MotionModel(BaseModel):
+class MotionResponse(BaseModel):
     clip: ClipKey
     root: str | None
     path: str
@@ -85,9 +85,6 @@ class MotionModel(BaseModel):
     format: str
     rig: str
     added: str
-
-
-class MotionResponse(MotionModel):
     captions: list[CaptionModel]
 
 

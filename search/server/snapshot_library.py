@@ -20,10 +20,10 @@ from encoders.protocol import Encoder
 from indexer.store.clips import Caption, Clip
 from indexer.vectors.flat import FlatVectors
 from indexer.vectors.sync import CLIPS, WINDOWS
-from search.hits import Hit
+from search.hits import Hits
 from search.library import Library
 from search.query.encoding import encode_queries
-from search.query.question import EncodedQuestion
+from search.query.question import EncodedQuestion, Question
 from search.server.answer_cache import AnswerCache, StaleCriterion
 from search.server.cache import Cache
 
@@ -56,17 +56,14 @@ class SearchRequest:
 
     Attributes
     ----------
-    text : str
-    query : float32 array (D,)
-        The query vector of `text`.
+    question : EncodedQuestion
     k : int
         The number of hits, at most.
     filters : dict
         See `search.query.filters.Filters`.
     """
 
-    text: str
-    query: Vectors
+    question: EncodedQuestion
     k: int
     filters: dict[str, Any]
 
@@ -143,10 +140,10 @@ class SnapshotLibrary(Library):
         added = [self._galleries.since(kind, connection, before.generation).vectors for kind in (CLIPS, WINDOWS)]
         self.answer_cache.grow(generation, np.concatenate(added).astype(np.float32))
 
-    def stale_criterion(self, request: SearchRequest, hits: Sequence[Hit]) -> StaleCriterion:
+    def stale_criterion(self, request: SearchRequest, hits: Hits) -> StaleCriterion:
         """What makes the answer to a request stale: an added row that scores as much as its last hit."""
         threshold = hits[-1].score - _ROUNDING if len(hits) == request.k else -np.inf
-        return StaleCriterion(request.query, threshold)
+        return StaleCriterion(request.question.vectors[0], threshold)
 
     def _take_snapshot(self) -> Snapshot:
         clips, windows = (self._galleries.current(kind, self.connection, often=True) for kind in (CLIPS, WINDOWS))
@@ -197,9 +194,13 @@ class SnapshotLibrary(Library):
         key = (self.snapshot.captions, int(id))
         return self._caption_cache.get_or(key, lambda: super(SnapshotLibrary, self).captions(id))
 
-    def cached_query(self, sentence: str) -> Vectors | None:
-        """The query vector (D,) of a sentence if it is cached, else None."""
-        return self._query_cache.get(sentence)
+    def is_encoded(self, sentence: str) -> bool:
+        """Whether the query vector of a sentence is cached."""
+        return self._query_cache.get(sentence) is not None
+
+    def encode(self, question: Question) -> EncodedQuestion:
+        """See `Library.encode`."""
+        return EncodedQuestion(np.stack(self.encode_all(question.sentences)), question.sentences, question.how)
 
     def encode_all(self, sentences: Sequence[str]) -> list[Vectors]:
         """Query vectors (D,) of sentences; those that are not cached are encoded in one batch."""
@@ -211,11 +212,11 @@ class SnapshotLibrary(Library):
         found = encoded | {sentence: vector for sentence, vector in cached.items() if vector is not None}
         return [found[sentence] for sentence in sentences]
 
-    def search_all(self, requests: Sequence[SearchRequest]) -> list[list[Hit] | Exception]:
+    def search_all(self, requests: Sequence[SearchRequest]) -> list[Hits | Exception]:
         """The hits of each request, or the exception that `search` would raise."""
         return [self._hits_or_error(request) for request in requests]
 
-    def _hits_or_error(self, request: SearchRequest) -> list[Hit] | Exception:
+    def _hits_or_error(self, request: SearchRequest) -> Hits | Exception:
         try:
             return self._search_once(request)
         except KeyError:  # a clip was removed after the snapshot
@@ -227,7 +228,6 @@ class SnapshotLibrary(Library):
         except Exception as error:
             return error
 
-    def _search_once(self, request: SearchRequest) -> list[Hit]:
+    def _search_once(self, request: SearchRequest) -> Hits:
         self.snapshot  # noqa: B018  raises where the library cannot be searched
-        question = EncodedQuestion(request.query[None], (request.text,))
-        return self.search_encoded(question, request.k, **request.filters)
+        return self.search_encoded(request.question, request.k, **request.filters)

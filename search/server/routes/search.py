@@ -49,8 +49,8 @@ def routes(state: AppState) -> APIRouter:
         key, generation = (q, k, offset, tuple(given.items())), library.snapshot.generation
         response = library.answer_cache.get(key)
         if response is None:
-            Question.of(q, split_steps=False)
-            request = SearchRequest(q, await state.encode(q), offset + k, given)
+            question = await state.encode(Question.of(q, split_steps=False))
+            request = SearchRequest(question, offset + k, given)
             hits = await state.search_batches.submit(request)
             response = to_json({"query": q, "hits": _documents(hits[offset:])})
             library.answer_cache.put(key, response, library.stale_criterion(request, hits), generation)
@@ -76,7 +76,7 @@ def routes(state: AppState) -> APIRouter:
             return to_json(_moments(question, _documents(hits)))
 
         def in_clip(ref: str) -> bytes:
-            motion = QueriedMotion(library.bundle, state.source(ref), question.encode(library.bundle))
+            motion = QueriedMotion(library.bundle, state.source(ref), library.encode(question))
             hits = moments_of(motion, offset + k)[offset:]
             return to_json(_moments(question, _documents(hits, ref)) | {"curve": _curve(motion)})
 
@@ -91,7 +91,7 @@ def routes(state: AppState) -> APIRouter:
         def make() -> bytes:
             source = state.source(clip)
             named = {"clip": _ref(source, clip), "path": source.path, "duration": round(source.duration, 3)}
-            motion = QueriedMotion(library.bundle, source, question.encode(library.bundle))
+            motion = QueriedMotion(library.bundle, source, library.encode(question))
             return to_json(named | _curve(motion))
 
         return bytes_response(await state.cached(_key(request), make))

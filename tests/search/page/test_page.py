@@ -177,7 +177,7 @@ def test_a_dropped_file_is_described_and_finds_what_is_like_it(opened, tmp_path)
     assert _state(page)["clip"].startswith("u")
     page.keyboard.press("s")
     page.wait_for_selector(_CARDS)
-    _until(page, "document.querySelector('#status').innerText.includes('Moves like')")
+    _until(page, "document.querySelector('#status').innerText.includes('Similar to')")
 
 
 def test_a_file_that_is_no_motion_is_refused_in_words(opened):
@@ -229,7 +229,7 @@ def test_answers_that_are_all_weak_are_called_so(opened):
             "caption": "", "clip": 1}  # fmt: skip
     page.route(re.compile("api/search"), lambda route: route.fulfill(json={"query": "x", "hits": [weak]}))
     page.locator("#q").fill("purple")
-    page.wait_for_selector("#notice:has-text('Nothing here clearly matches')")
+    page.wait_for_selector("#notice:has-text('No good match')")
     assert page.locator(".strength").inner_text() == "weak"
 
 

@@ -11,18 +11,11 @@ from starlette.testclient import TestClient
 
 from encoders.bundle.bundle import Bundle
 from indexer.ingest import indexing
-from search.hits import Hit
 from search.library import Library
 from search.server.answer_cache import AnswerCache, StaleCriterion
 from search.server.app import create_app
 from search.server.snapshot_library import SnapshotLibrary
 from tests.search.conftest import made_motion
-
-
-def documents(hits: list[Hit]) -> list[dict[str, object]]:
-    """Hits as the server writes them."""
-    return [hit.document() | {"clip": hit.clip_id} for hit in hits]
-
 
 NONE = np.zeros((0, 2), np.float32)
 EAST, NORTH = np.array([1, 0], np.float32), np.array([0, 1], np.float32)
@@ -93,7 +86,7 @@ def test_cached_answers_are_those_of_a_fresh_search(indexed: Path, bundle: Bundl
             valid.append(len(library.answer_cache))
             after = answers()
             with Library.open(folder, bundle=bundle) as fresh:
-                assert after == {q: documents(fresh.search(q, 2)) for q in questions}
+                assert after == {q: fresh.search(q, 2).to_dicts() for q in questions}
     assert before != after
     assert max(valid) > 0
     assert valid[3] == 0  # the removed clip may have displaced another
@@ -123,6 +116,6 @@ def test_swapped_captions_invalidate(indexed: Path, bundle: Bundle, tmp_path: Pa
         for _ in range(2):
             hits = client.get("/api/search", params={"q": "walks"}).json()["hits"]
             with Library.open(folder, bundle=bundle) as fresh:
-                assert hits == documents(fresh.search("walks"))
+                assert hits == fresh.search("walks").to_dicts()
             say(later)
             assert library.refresh()

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from indexer.ingest import indexing
+from search.query.question import Question
 from search.server.snapshot_library import SearchRequest, SnapshotLibrary
 from tests.search.conftest import made_motion
 
@@ -49,8 +50,7 @@ def test_a_clip_removed_after_the_snapshot_is_left_out(served, bundle, tmp_path:
         (folder / "take 2.npy").unlink()
         indexing.index(folder, bundle=bundle, jobs=1)
         assert len(library) == 5
-        (query,) = library.encode_all(["walks"])
-        (found,) = library.search_all([SearchRequest("walks", query, 10, {})])
+        (found,) = library.search_all([SearchRequest(library.encode(Question.of("walks")), 10, {})])
     assert not isinstance(found, Exception)
     assert len(found) == 4
 
@@ -102,11 +102,11 @@ def test_cached_clips_survive_growth_and_are_read_again_when_they_change(served,
 
 def test_a_batch_of_searches_gives_what_each_alone_gives(indexed, bundle):
     with SnapshotLibrary.open(indexed, bundle=bundle) as library:
-        walks, waves = library.encode_all(["a person walks", "waves"])
+        walks, waves = (library.encode(Question.of(text)) for text in ("a person walks", "waves"))
         requests = [
-            SearchRequest("a person walks", walks, 3, {}),
-            SearchRequest("waves", waves, 2, {"min_duration": 5.0}),
-            SearchRequest("waves", waves, 2, {"min_duration": 5.0, "max_duration": 1.0}),
+            SearchRequest(walks, 3, {}),
+            SearchRequest(waves, 2, {"min_duration": 5.0}),
+            SearchRequest(waves, 2, {"min_duration": 5.0, "max_duration": 1.0}),
         ]
         first, second, wrong = library.search_all(requests)
         assert first == library.search("a person walks", 3)
@@ -117,7 +117,8 @@ def test_a_batch_of_searches_gives_what_each_alone_gives(indexed, bundle):
 def test_a_sentence_is_encoded_once(served, bundle, monkeypatch):
     client, encoded, encode_texts = served(), [], bundle.encode_texts
     monkeypatch.setattr(bundle, "encode_texts", lambda texts: encoded.extend(texts) or encode_texts(texts))
-    for url in ("/api/search?q=limping+sideways", "/api/search?q=limping+sideways&k=3"):
+    urls = ("search", "search?k=3", "moments", "moments?clip=1", "curve?clip=1")
+    for url in (f"/api/{url}{'&' if '?' in url else '?'}q=limping+sideways" for url in urls):
         assert client.get(url).status_code == 200
     assert encoded
     assert len(encoded) == len(set(encoded))
