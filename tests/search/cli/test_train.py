@@ -1,4 +1,4 @@
-"""`motionseek model train` and `release`: what is held out of what, and what is said before any work is done."""
+"""`motionseek model train` and `release`: what is held out of training, and errors before any work is done."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def people(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]
     """A folder with a take to train on and one to validate on, and captions of both."""
     rows = [f"{split}.bvh\t{split}\ttake\t{split}\t{split}\t20\t\t\n" for split in ("train", "val")]
     (tmp_path / "manifest.tsv").write_text(HEADER + "".join(rows), "utf-8")
-    said = {"train": ["a man hops", "a man walks"], "val": ["a man walks", "somebody strolls"]}
+    sentences = {"train": ["a man hops", "a man walks"], "val": ["a man walks", "somebody strolls"]}
     lines = [
         {"trial": split, "start_frame": 0, "end_frame": -1, "fps": 20, "split": split, "captions": captions}
-        for split, captions in said.items()
+        for split, captions in sentences.items()
     ]
     captions = tmp_path / "captions.jsonl"
     captions.write_text("\n".join(map(json.dumps, lines)), "utf-8")
@@ -61,7 +61,7 @@ def test_without_torch_the_extra_is_named(
 
 @pytest.mark.torch
 @pytest.mark.parametrize(
-    ("recipe", "said"),
+    ("recipe", "reason"),
     [
         ("{", "invalid JSON"),
         ("[1]", "JSON object"),
@@ -75,14 +75,14 @@ def test_without_torch_the_extra_is_named(
         ('{"batch": 0}', "batch=0 must be positive"),
     ],
 )
-def test_a_wrong_recipe_is_refused_before_anything_is_made(run: Run, tmp_path: Path, recipe: str, said: str) -> None:
+def test_a_wrong_recipe_is_refused_before_any_work(run: Run, tmp_path: Path, recipe: str, reason: str) -> None:
     pytest.importorskip("torch")
     file = tmp_path / "recipe.json"
     file.write_text(recipe, "utf-8")
     ran = run("model", "train", tmp_path / "run", "--recipe", file)
     assert ran.code in (1, 2)
     assert ran.err.count("\n") == 1
-    assert said in ran.err
+    assert reason in ran.err
     assert not (tmp_path / "run").exists()
 
 

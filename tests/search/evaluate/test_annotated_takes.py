@@ -16,8 +16,8 @@ from tests.search.conftest import made_motion
 
 
 def captioned(trial: str, *spans: tuple[str, float, float], seconds: float = 20.0) -> CaptionedTake:
-    said = tuple(CaptionedSpan((text,), start, end) for text, start, end in spans)
-    return CaptionedTake(f"{trial}.bvh", trial, made_motion(seconds, 0), "walk", said)
+    captions = tuple(CaptionedSpan((text,), start, end) for text, start, end in spans)
+    return CaptionedTake(f"{trial}.bvh", trial, made_motion(seconds, 0), "walk", captions)
 
 
 def test_synthetic_takes_hold_actions_held_out_of_training() -> None:

@@ -46,7 +46,7 @@ def wording(page: str) -> list[str]:
 
 
 def test_it_is_worded_as_the_committed_one(card: str) -> None:
-    """Whoever changes a label measures the shipped model's card anew, or changes the label there too."""
+    """A label that changes in the code changes in docs/model.md too."""
     committed = wording((ROOT / "docs" / "model.md").read_text(encoding="utf-8"))
     assert [line for line in wording(card) if line not in committed and line not in LABELS] == []
 

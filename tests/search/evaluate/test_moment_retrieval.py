@@ -94,16 +94,16 @@ def test_a_moment_in_another_take_counts_where_it_is_true_but_not_as_the_own_tak
     any_take = found["motionseek, all takes at once"]
     own = found["motionseek, all takes at once, its own take"]
     assert any_take["accuracy at 0.5"] == 100.0
-    assert own["accuracy at 0.5"] == 75.0, "zero is asked of both takes and found in one of them first"
+    assert own["accuracy at 0.5"] == 75.0, "zero is true in both takes and found in one of them first"
     assert own["R@5 at 0.5"] == 100.0
 
 
 def test_sentences_about_heldout_actions_are_counted_apart() -> None:
     known = taken(0, 1)
-    unseen = AnnotatedTake(
+    held_out = AnnotatedTake(
         known.motion, (replace(known.annotations[0], held_out=True), known.annotations[1]), known.events
     )
-    found = evaluate_moments([unseen], KnownAnswers())
+    found = evaluate_moments([held_out], KnownAnswers())
     assert found["motionseek, held-out actions"]["questions"] == 1.0
     assert found["motionseek"]["questions"] == 2.0
 
