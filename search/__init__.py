@@ -1,1 +1,1 @@
-"""A library becomes answers."""
+"""Search: queries answered from a library, in Python, on the command line and over HTTP."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, SupportsIndex, overload
 
 from encoders.drawing.player import player
-from encoders.errors import LibraryError
+from encoders.errors import LibraryError, MissingProgram
 from encoders.motion import Motion
 
 STRONG, PLAUSIBLE, WEAK = "strong", "plausible", "weak"
@@ -124,10 +124,13 @@ class Hits(list[Hit]):
 
         Raises
         ------
-        ImportError
+        MissingProgram
             If pandas is not installed.
         """
-        import pandas
+        try:
+            import pandas
+        except ImportError:
+            raise MissingProgram("to_pandas needs pandas; run: pip install pandas") from None
 
         return pandas.DataFrame(self.to_dicts())
 

@@ -25,7 +25,7 @@ from search.moments.across_library import LocatedMoment, best_moments
 from search.moments.one_motion import find, moments_of
 from search.moments.queried_motion import QueriedMotion
 from search.moments.segments import Segment, segment_motion
-from search.query.arguments import checked_count, checked_number, checked_span, unit_vector
+from search.query.arguments import checked_count, checked_number, checked_span, optional_number, unit_vector
 from search.query.filters import FilterArguments, Filters
 from search.query.question import EncodedQuestion, Question
 from search.ranking.alignment import LONGEST, RERANKED, alignment_bonus
@@ -305,7 +305,8 @@ class Library(StoredLibrary):
             If there is no ffmpeg for an .mp4.
         """
         place = writable(out, overwrite)
-        write_picture(self._cut(ref, start, end, None), place, size=checked_count(size, "size"), fps=fps)
+        motion = self._cut(ref, start, end, None)
+        write_picture(motion, place, size=checked_count(size, "size"), fps=checked_number("fps", fps))
         return place
 
     def similar(
@@ -366,7 +367,7 @@ class Library(StoredLibrary):
 
     def source(self, ref: Ref, *, fps: float | None = None) -> MotionSource:
         """The motion that a reference means, with what the library knows of it."""
-        return source_of(ref, self, fps=checked_number("fps", fps))
+        return source_of(ref, self, fps=optional_number("fps", fps))
 
     def allowed(self, **filters: Unpack[FilterArguments]) -> Ids | None:
         """The ids of the clips that pass the filters, sorted; None for all."""

@@ -11,7 +11,7 @@ from search.hits import Hits
 from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
 from search.moments.segments import Segment, segment_motion
-from search.query.arguments import checked_count, checked_number, checked_span
+from search.query.arguments import checked_count, checked_span, optional_number
 from search.query.question import Question
 from search.ranking.description import describe_motion
 from search.references import Ref, source_of, span_of
@@ -110,4 +110,4 @@ def _shipped() -> Bundle:
 
 
 def _source(ref: Ref, fps: float | None) -> MotionSource:
-    return source_of(ref, fps=checked_number("fps", fps))
+    return source_of(ref, fps=optional_number("fps", fps))

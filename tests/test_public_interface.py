@@ -199,7 +199,7 @@ def test_what_makes_no_sense_is_refused_by_name(library: motionseek.Library, nam
             ask("walks", **{name: value})  # type: ignore[operator]
 
 
-def test_spans_rates_and_lists_are_refused_by_name(library: motionseek.Library) -> None:
+def test_spans_rates_and_lists_are_refused_by_name(library: motionseek.Library, tmp_path: Path) -> None:
     with pytest.raises(motionseek.ArgumentError, match="then"):
         library.moments("walks", then="waves")
     with pytest.raises(motionseek.ArgumentError, match="meanwhile"):
@@ -208,6 +208,9 @@ def test_spans_rates_and_lists_are_refused_by_name(library: motionseek.Library) 
         library.describe("wave", start=float("nan"))
     with pytest.raises(motionseek.ArgumentError, match="fps"):
         library.describe(made_motion(2, 1).joints, fps=float("nan"))
+    for name, value in (("fps", 0), ("fps", float("inf")), ("size", 3)):
+        with pytest.raises(motionseek.ArgumentError, match=name):
+            library.render("wave", tmp_path / "wave.gif", **{name: value})  # type: ignore[arg-type]
     with pytest.raises(motionseek.ArgumentError, match="labels"):
         library.segment("wave", "walk")
     with pytest.raises(motionseek.ArgumentError, match="path"):

@@ -1,1 +1,1 @@
-"""Pictures of motion: strips of poses, films, and similarity over time."""
+"""Pictures of motion: strips of poses, animations, and plots of similarity over time."""

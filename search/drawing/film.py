@@ -13,7 +13,7 @@ from typing import IO, TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.errors import MissingProgram, QueryError
+from encoders.errors import ArgumentError, MissingProgram, QueryError
 from encoders.motion import Motion
 from search.drawing.raster import FLOOR, INK, QUIET, Stage
 from search.export.cut import replacing
@@ -26,6 +26,10 @@ _ROOM = 0.04  # beside and above them, to their height
 _PALE = 24  # a shadow paler than this is cut off
 _LONGEST_GIF = 60.0  # seconds: all frames of a GIF are held until it is written
 NO_FFMPEG = "an .mp4 needs ffmpeg; install it, or run: pip install imageio-ffmpeg"
+
+
+#: Heights in pixels, and frames a second of animations, that can be drawn.
+SIZES, RATES = (64, 2160), (1, 60)
 
 
 def write_picture(motion: Motion, out: Path, *, size: int = 480, fps: float = 20.0) -> int:
@@ -46,10 +50,13 @@ def write_picture(motion: Motion, out: Path, *, size: int = 480, fps: float = 20
     Raises
     ------
     QueryError
-        If the ending is none of these, or the motion too long for a .gif.
+        If the size or the frame rate is out of range, the ending is none of these, or the motion too long for a .gif.
     MissingProgram
         If there is no ffmpeg for an .mp4.
     """
+    for name, value, (least, most) in (("size", size, SIZES), ("fps", fps, RATES)):
+        if not least <= value <= most:
+            raise ArgumentError(f"{name}={value:g} must be from {least} to {most}")
     writer = WRITERS.get(out.suffix.lower())
     if writer is None:
         raise QueryError(f"{out}: can draw {', '.join(WRITERS)}")
@@ -92,9 +99,9 @@ def _cropped(poses: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 def _write_gif(file: IO[bytes], motion: Motion, size: int, fps: float) -> int:
     if motion.duration > _LONGEST_GIF:
-        said = f"a .gif holds {_LONGEST_GIF:g} s at most and this is {motion.duration:.0f} s"
-        raise QueryError(f"{said}; give --start and --end, or draw an .mp4")
-    hundredths = max(2, round(100 / fps))  # what the format can say, and browsers heed
+        limit = f"a .gif holds {_LONGEST_GIF:g} s at most and this is {motion.duration:.0f} s"
+        raise QueryError(f"{limit}; give a start and an end, or draw an .mp4")
+    hundredths = max(2, round(100 / fps))  # what the format can express and browsers play
     motion = motion.resample(100 / hundredths)
     stage = Stage(motion, size, size)
     palette = _palette(stage, len(motion))
@@ -109,16 +116,16 @@ def _write_mp4(file: IO[bytes], motion: Motion, size: int, fps: float) -> int:
     given = f"-f rawvideo -pix_fmt rgb24 -s {size}x{size} -r {fps:g} -i -"
     wanted = "-an -c:v libx264 -crf 20 -pix_fmt yuv420p -movflags +faststart"
     with tempfile.TemporaryDirectory(prefix="motionseek-") as folder:
-        film, said = Path(folder) / "film.mp4", Path(folder) / "said"
+        film, log = Path(folder) / "film.mp4", Path(folder) / "log"
         command = [_ffmpeg(), "-loglevel", "error", *given.split(), *wanted.split(), str(film)]
-        with said.open("wb") as errors, subprocess.Popen(command, stdin=subprocess.PIPE, stderr=errors) as process:
+        with log.open("wb") as errors, subprocess.Popen(command, stdin=subprocess.PIPE, stderr=errors) as process:
             assert process.stdin is not None
-            with suppress(BrokenPipeError):  # it has ended, and said why
+            with suppress(BrokenPipeError):  # it has ended, and logged why
                 for frame in _frames(stage, len(motion)):
                     process.stdin.write(frame.tobytes())
                 process.stdin.close()
         if process.returncode:
-            raise QueryError(f"ffmpeg could not write an .mp4: {said.read_text(errors='replace')[:500].strip()}")
+            raise QueryError(f"ffmpeg could not write an .mp4: {log.read_text(errors='replace')[:500].strip()}")
         with film.open("rb") as written:
             copyfileobj(written, file)
     return len(motion)

@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 from encoders.drawing.capsules import CAPSULES, RADII, TINTS, VIEW, capsules, heading, view_axes
 from encoders.errors import QueryError
 from encoders.motion import Motion
+from search.hits import Hit
+from search.query.question import Question
+from search.source import MotionSource
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from search.hits import Hit
-    from search.query.question import Question
-    from search.source import MotionSource
 
 _INK, _PALE = "#22262e", "#8b93a1"
 _LINES = ("#2e6f95", "#d1495b", "#3c8d5a", "#8a5fb0", "#c98a1b")

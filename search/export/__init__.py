@@ -1,1 +1,1 @@
-"""Answers as files: cuts of motion and annotations."""
+"""Files written: motions and spans of them, and annotations."""

@@ -10,7 +10,7 @@ from search.moments.segments import Segment
 
 
 def as_tsv(segments: Sequence[Segment], path: str) -> str:
-    """A table with the columns start, end, label and score; an empty label where nothing is known."""
+    """A table with the columns start, end, label and score; an empty label where none fits."""
     rows = [f"{s.start:.3f}\t{s.end:.3f}\t{' '.join(s.label.split())}\t{s.score:.4f}" for s in segments]
     return "\n".join(["start\tend\tlabel\tscore", *rows]) + "\n"
 

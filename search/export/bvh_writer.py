@@ -1,4 +1,4 @@
-"""BVH as it is written: cuts of a file in its own rig, and motions on the 22 joints."""
+"""Writing BVH: cuts of a file in its own rig, and motions on the 22 joints."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 _FRAMES = re.compile(rb"(?P<name>^\s*Frames\s*:?\s*)(?P<value>\d+)", re.IGNORECASE | re.MULTILINE)
 _TIME = re.compile(rb"(?P<name>^\s*Frame\s+Time\s*:?\s*)(?P<value>[\d.eE+-]+)", re.IGNORECASE | re.MULTILINE)
 _HEADER_LINES = 50_000
-#: Frames in which a pose before the movement is looked for.
+#: Frames searched for a calibration pose before the movement.
 _OPENING = 1000
 _CENTIMETRES = 100.0
 

@@ -1,1 +1,1 @@
-"""Where in a take something happens: window scores, boundaries, sequences, segments."""
+"""Moments: where in a motion a query is answered; window scores, boundaries, sequences, segments."""

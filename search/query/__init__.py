@@ -1,1 +1,1 @@
-"""The question: sentences, their steps and paraphrases, filters, and the vocabulary of movement."""
+"""Queries: sentences, their steps, paraphrases and vectors, filters, and the vocabulary of motion."""

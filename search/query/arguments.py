@@ -26,19 +26,22 @@ def checked_count(k: Any, name: str = "k") -> int:
     return int(k)
 
 
-def checked_number(name: str, value: Any) -> float | None:
-    """A finite number, or None.
+def checked_number(name: str, value: Any) -> float:
+    """A finite number.
 
     Raises
     ------
     ArgumentError
         If it is none.
     """
-    if value is None:
-        return None
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real) or not isfinite(float(value)):
         raise ArgumentError(f"{name}={value!r} must be a finite number")
     return float(value)
+
+
+def optional_number(name: str, value: Any) -> float | None:
+    """A finite number, or None; see `checked_number`."""
+    return None if value is None else checked_number(name, value)
 
 
 def checked_span(start: Any, end: Any) -> tuple[float | None, float | None]:
@@ -49,7 +52,7 @@ def checked_span(start: Any, end: Any) -> tuple[float | None, float | None]:
     ArgumentError
         If one is no number.
     """
-    return checked_number("start", start), checked_number("end", end)
+    return optional_number("start", start), optional_number("end", end)
 
 
 def checked_sentences(name: str, sentences: Any) -> list[str]:

@@ -1,4 +1,4 @@
-"""A sentence as a query vector: the mean over a few phrasings of it, which no single odd wording can break."""
+"""Query vectors: each the mean of the vectors of a sentence and its paraphrases."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from search.query.paraphrases import paraphrases
 def encode_queries(bundle: Encoder, sentences: Sequence[str]) -> NDArray[np.float32]:
     """Unit query vectors.
 
+    Averaged over paraphrases, a vector depends less on the wording of the sentence.
+
     Parameters
     ----------
     sentences : sequence of str
@@ -23,8 +25,8 @@ def encode_queries(bundle: Encoder, sentences: Sequence[str]) -> NDArray[np.floa
     -------
     float32 array (Q, D)
     """
-    worded = [paraphrases(sentence) for sentence in sentences]
-    vectors = bundle.encode_texts([phrase for group in worded for phrase in group])
-    starts = np.cumsum([0] + [len(group) for group in worded[:-1]])
+    groups = [paraphrases(sentence) for sentence in sentences]
+    vectors = bundle.encode_texts([text for group in groups for text in group])
+    starts = np.cumsum([0] + [len(group) for group in groups[:-1]])
     means = np.add.reduceat(vectors, starts, axis=0)
     return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True), dtype=np.float32)

@@ -8,7 +8,7 @@ from typing import Any, TypedDict
 import numpy as np
 
 from encoders.errors import ArgumentError
-from search.query.arguments import checked_number
+from search.query.arguments import optional_number
 
 #: Filter -> the SQL condition it stands for; the value is always bound, never pasted.
 _CONDITIONS = {
@@ -76,7 +76,7 @@ class Filters:
 
     def __post_init__(self) -> None:
         for name in ("min_duration", "max_duration"):
-            object.__setattr__(self, name, checked_number(name, getattr(self, name)))
+            object.__setattr__(self, name, optional_number(name, getattr(self, name)))
         for name in ("path", "rig", "format"):
             value = getattr(self, name)
             if value is not None and not isinstance(value, str):

@@ -1,4 +1,4 @@
-"""The words in which motion is described, and how much of a sentence is in others."""
+"""Known words: those of descriptions of motion, and the share of a sentence that is out of vocabulary."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 Words = NDArray[np.str_]
 
 _WORD = re.compile(r"[^\W\d_]{2,}")
-#: Words that every sentence has, whatever it is about.
-_EMPTY = frozenset(
+#: Stop words.
+_STOP_WORDS = frozenset(
     "an and are as at be been by for from he her his in is it its of on or she that the their them they this to was "
     "were with".split()
 )
@@ -27,8 +27,8 @@ def lexicon(sentences: Iterable[str]) -> Words:
 
 
 def out_of_vocabulary_share(sentence: str, known: Words) -> float:
-    """Which part of a sentence's words, 0 to 1, is in no form among those known (W,), sorted; 1 if it has no words."""
-    words = [word for word in _words(sentence) if word not in _EMPTY]
+    """The share of a sentence's words, 0 to 1, that are in no form among the sorted known ones (W,); 1 if none."""
+    words = [word for word in _words(sentence) if word not in _STOP_WORDS]
     return float(np.mean([not _is_known(word, known) for word in words])) if words else 1.0
 
 

@@ -1,7 +1,7 @@
-"""A user's query in the other wordings in which people might have put it.
+"""Paraphrases of a query: the verb that it begins with in other forms, after other subjects.
 
-The vectors of several wordings, averaged, find better than one alone. No grammar: the verb that the query begins with
-is put into other forms behind other subjects; what begins with no known verb comes back alone.
+The mean vector of several paraphrases finds more than the vector of one sentence. A query that begins with no known
+verb has none.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from functools import cache
 from encoders.english import gerund, past, third_person
 
 _MOST = 3  # with six as many are found on the validation takes, and a new sentence takes twice as long
-_LONGEST = 40  # words; longer text is no query to be rephrased
+_LONGEST = 40  # words; longer text is not paraphrased
 _SUBJECT = re.compile(
     r"(?:(?:the|a|an|this|some|one) )?(?:(?:stick|human|male|female|young|old) )?"
     r"(?:person|man|woman|figure|human|individual|someone|somebody|he|she|they|guy|character|boy|girl|actor|performer)"
@@ -40,7 +40,7 @@ def _bases() -> dict[str, str]:
     return {form: verb for verb in _VERBS for form in (past(verb), third_person(verb), gerund(verb), verb)}
 
 
-def _reworded(bare: str) -> list[str]:
+def _other_forms(bare: str) -> list[str]:
     """The clause, without its subject, in other verb forms; empty if it begins with no known verb."""
     adverb = _ADVERB.match(bare)
     before = adverb[0] if adverb else ""
@@ -57,13 +57,13 @@ def _reworded(bare: str) -> list[str]:
 
 
 def paraphrases(sentence: str) -> list[str]:
-    """Up to three wordings of a query, the query itself first.
+    """A query and up to two paraphrases of it, the query itself first.
 
-    Only the first verb changes, so of "walks, then waves" the part that follows may disagree in form; the model does
-    not mind. Other languages, nonsense and very long text come back alone.
+    Only the first verb changes, so in "walks, then waves" the rest may disagree with it in form; the model is robust to
+    that. Other languages and very long text have no paraphrases.
     """
     plain = " ".join(sentence.lower().split()).strip(" .!?")
     if not plain.isascii() or len(plain.split()) > _LONGEST:
         return [sentence]
     bare = _SUBJECT.sub("", plain, count=1) if _SUBJECT.match(plain) else plain
-    return [sentence, *(wording for wording in _reworded(bare) if wording != plain)][:_MOST]
+    return [sentence, *(form for form in _other_forms(bare) if form != plain)][:_MOST]

@@ -1,1 +1,1 @@
-"""Which clips answer, in which order, and how sure that is."""
+"""Ranking: clip scores, hubness, alignment, and the strength of hits."""

@@ -1,9 +1,9 @@
-"""Sentences that lie near every motion, and how to see past them.
+"""Hubness penalty: what is subtracted from the scores of sentences that lie near every motion.
 
-In a space of many dimensions a few sentences are neighbours of nearly everything; asked what a motion shows, they would
-come first again and again. As in cross-domain similarity local scaling (Conneau et al., ICLR 2018), a share of what a
-sentence scores with the motions nearest to it is taken from its score; the bundle's unrelated motions stand for all.
-A ranking of motions for one sentence does not change by it.
+In a space of many dimensions a few sentences, the hubs, are neighbours of nearly everything and would describe every
+motion. As in cross-domain similarity local scaling (CSLS; Conneau et al., ICLR 2018), a share of a sentence's mean
+similarity to the motions nearest to it is subtracted; the bundle's unrelated motions stand for all motions. The ranking
+of motions for one sentence does not change.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _NEAREST, _SHARE = 30, 0.35
 
 
 def hubness_penalty(bundle: Encoder, sentences: ArrayLike) -> NDArray[np.float32]:
-    """What to take from the scores of sentences (N, D): (N,), zero where the bundle carries no unrelated motions."""
+    """What to subtract from the scores of sentences (N, D): (N,), zero where there are no unrelated motions."""
     vectors = np.asarray(sentences, np.float32)
     if bundle.calibration is None:
         return np.zeros(len(vectors), np.float32)

@@ -101,7 +101,7 @@ def test_a_gif_moves_at_the_rate_asked_for(tmp_path: Path) -> None:
 
 
 def test_a_gif_too_long_to_be_held_says_what_to_do(tmp_path: Path) -> None:
-    with pytest.raises(QueryError, match="--start and --end"):
+    with pytest.raises(QueryError, match="a start and an end"):
         write_picture(made_motion(61, 0), tmp_path / "a.gif")
     assert list(tmp_path.iterdir()) == []
 
