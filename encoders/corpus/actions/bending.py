@@ -22,7 +22,7 @@ from encoders.corpus.engine.curves import (
 from encoders.corpus.engine.program import AMPLITUDES, program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import duration
-from encoders.corpus.engine.whole_body_poses import STANDING, down_and_up, perform, pose, repeated, waver
+from encoders.corpus.engine.whole_body_poses import STANDING, down_and_up, irregular_wave, perform, pose, repeated
 from encoders.corpus.scene import ActionStep
 
 
@@ -168,7 +168,7 @@ def balance_on_one_leg(step: ActionStep, manner: Manner, rng: Generator, frames:
     })  # fmt: skip
     shift = pose(root=(sign * 0.08, 0.89, 0.0))
     curves = perform(frames, [(0.02, STANDING), (0.12, shift), (0.28, low), (0.8, low), (0.92, shift), (1.0, STANDING)])
-    wobble = waver(frames, rng, (0.4, 1.0)) * hold(frames, 0.3, 0.2) * rng.uniform(0.02, 0.09)
+    wobble = irregular_wave(frames, rng, (0.4, 1.0)) * hold(frames, 0.3, 0.2) * rng.uniform(0.02, 0.09)
     curves.spine[:, 1] += wobble
     curves.hands[..., 1] += np.array([1.5, -1.5]) * wobble[:, None]
     return curves

@@ -12,7 +12,7 @@ from encoders.corpus.engine.gait import PAD, Gait, Trajectory, plant, step_along
 from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import tempo
-from encoders.corpus.engine.trajectories import AHEAD, effort, seconds, travel
+from encoders.corpus.engine.trajectories import AHEAD, effort, plan_gait, seconds
 from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
@@ -28,7 +28,9 @@ def climb_stairs(step: ActionStep, manner: Manner, rng: Generator, frames: int) 
         speed=tread * cadence, cadence=cadence, lift=0.1 if down else 0.16, arms=0.2, lean=-0.02 if down else 0.16,
         push=0.45, bob=0.01, duty=0.6,
     )  # fmt: skip
-    trajectory, gait = travel(replace(step, direction="", amplitude=""), gait, replace(manner, stride=0.0), rng, frames)
+    trajectory, gait = plan_gait(
+        replace(step, direction="", amplitude=""), gait, replace(manner, stride=0.0), rng, frames
+    )
     cadence = float(np.median(np.diff(trajectory.phase))) * 2 * FPS
     run = trajectory.root[:, 1] * (tread * cadence / max(gait.speed, 1e-3))
     trajectory = replace(trajectory, root=np.stack([trajectory.root[:, 0], run], axis=1))
@@ -96,7 +98,7 @@ def _obstacle(
     if settle:
         going = going * (1 - ease((now - when - 0.7) / 0.5))
     gait = Gait(speed=rng.uniform(0.8, 1.2), cadence=rng.uniform(1.4, 1.7), arms=0.3)
-    trajectory, gait = travel(replace(step, count=0), gait, manner, rng, frames, going)
+    trajectory, gait = plan_gait(replace(step, count=0), gait, manner, rng, frames, going)
     trajectory = replace(
         trajectory, lift=lift * np.exp(-(np.square((now - when) / 0.55) ** 2)), level=np.where(now > when, level, 0.0)
     )
@@ -140,7 +142,7 @@ def _creep(
 ) -> tuple[Trajectory, Array, Gait]:
     frames = frames or int(rng.uniform(3.0, 6.0) * FPS)
     gait = Gait(speed=speed, cadence=rate)
-    trajectory, gait = travel(
+    trajectory, gait = plan_gait(
         step,
         gait,
         replace(manner, limp=0.0, stride=min(manner.stride, 0.0)),

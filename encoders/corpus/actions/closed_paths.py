@@ -11,7 +11,7 @@ from encoders.corpus.engine.curves import LEGS, Array, Curves
 from encoders.corpus.engine.gait import PAD, Gait, step_along
 from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import Manner
-from encoders.corpus.engine.trajectories import integrate, travel
+from encoders.corpus.engine.trajectories import integrate, plan_gait
 from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
@@ -19,7 +19,7 @@ from encoders.motion import FPS
 def _walk_facing(step: ActionStep, manner: Manner, rng: Generator, frames: int, angle: Array) -> Curves:
     """Walk with a heading that follows a curve (K,) of angles, spread evenly over the path."""
     gait = Gait(speed=rng.uniform(1.0, 1.5), cadence=rng.uniform(1.7, 2.1))
-    trajectory, gait = travel(replace(step, direction="forward"), gait, manner, rng, frames)
+    trajectory, gait = plan_gait(replace(step, direction="forward"), gait, manner, rng, frames)
     gone = np.cumsum(np.hypot(*np.diff(trajectory.root, axis=0, prepend=trajectory.root[:1]).T))
     share = (gone - gone[PAD]) / max(float(gone[-PAD - 1] - gone[PAD]), 0.3)
     facing = np.interp(share, np.linspace(0.0, 1.0, len(angle)), angle)

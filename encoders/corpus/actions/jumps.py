@@ -23,7 +23,7 @@ from encoders.corpus.engine.curves import (
 from encoders.corpus.engine.gait import PAD, Gait, step_along, swing_arms
 from encoders.corpus.engine.program import AMPLITUDES, program
 from encoders.corpus.engine.style import Manner
-from encoders.corpus.engine.trajectories import TURN, effort, travel
+from encoders.corpus.engine.trajectories import TURN, effort, plan_gait
 from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
@@ -206,7 +206,7 @@ def _flights(
     """Run and fly `count` times from one foot to the other, legs split; `over` raises the feet in flight."""
     air = 2 * np.sqrt(2 * height / _GRAVITY)
     frames = frames or int((1.6 + count * (air + 1.2)) * FPS)
-    trajectory, gait = travel(step, gait, manner, rng, frames, effort(frames, rng, rest=0.4))
+    trajectory, gait = plan_gait(step, gait, manner, rng, frames, effort(frames, rng, rest=0.4))
     # The phase of the legs is stretched from take-off to landing while the body travels on.
     index = np.arange(len(trajectory.phase), dtype=np.float64)
     begin, end = trajectory.phase[PAD], trajectory.phase[-PAD]

@@ -11,7 +11,7 @@ from encoders.corpus.engine.curves import LEFT, LEGS, RIGHT, SIDE_INDEX, Curves,
 from encoders.corpus.engine.gait import PAD, Gait, step_along
 from encoders.corpus.engine.program import AMPLITUDES, ActionFunction, program
 from encoders.corpus.engine.style import Manner
-from encoders.corpus.engine.trajectories import AHEAD, CURVED, STRAIGHT, go, seconds, travel
+from encoders.corpus.engine.trajectories import AHEAD, CURVED, STRAIGHT, perform_gait, plan_gait, seconds
 from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
@@ -29,7 +29,7 @@ def _plain(gait: Gait, speed: Range, cadence: Range) -> ActionFunction:
         if own.duty < 0.5:
             least = -0.15 if own.gains else -0.35
             manner = replace(manner, pace=max(manner.pace, least), stride=max(manner.stride, least))
-        return go(step, own, manner, rng, frames)
+        return perform_gait(step, own, manner, rng, frames)
 
     return make
 
@@ -123,7 +123,7 @@ def limp(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curve
     spared = (1 if step.side == "left" else -1) if step.side else rng.choice([-1, 1])
     manner = replace(manner, limp=spared * rng.uniform(0.8, 1.6), pace=manner.pace - 0.15)
     gait = Gait(speed=rng.uniform(0.5, 0.9), cadence=rng.uniform(1.3, 1.7), arms=0.25, lift=0.07, lean=0.1)
-    curves = go(step, gait, manner, rng, frames)
+    curves = perform_gait(step, gait, manner, rng, frames)
     if rng.random() < 0.3:  # a hand on the sore leg
         curves.hands[:, LEFT if spared > 0 else RIGHT] = (0.02, -0.72, 0.3)
     return curves
@@ -145,7 +145,7 @@ def drag_leg(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> C
 def skip(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Step and hop on each foot in turn, knees high, arms swinging."""
     gait = Gait(speed=rng.uniform(1.5, 2.4), cadence=rng.uniform(1.7, 2.1), duty=0.56, lift=0.3, bob=0.0, arms=0.8)
-    trajectory, gait = travel(step, gait, manner, rng, frames or int(rng.uniform(2.0, 5.0) * FPS))
+    trajectory, gait = plan_gait(step, gait, manner, rng, frames or int(rng.uniform(2.0, 5.0) * FPS))
     curves = step_along(trajectory, gait, manner)
     beat = (2 * trajectory.phase[PAD:-PAD] - 0.3) % 1.0
     rise = rng.uniform(0.1, 0.2) * trajectory.effort[PAD:-PAD] * np.clip(np.sin(2 * np.pi * beat), 0.0, None)
@@ -164,7 +164,7 @@ def gallop(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Cur
         speed=rng.uniform(1.6, 2.4), cadence=rng.uniform(3.2, 3.8), duty=0.42, lift=0.16, bob=0.0, arms=0.15, elbow=0.9,
         crouch=0.05, offset=offset,
     )  # fmt: skip
-    trajectory, gait = travel(step, gait, manner, rng, frames or int(rng.uniform(2.0, 5.0) * FPS))
+    trajectory, gait = plan_gait(step, gait, manner, rng, frames or int(rng.uniform(2.0, 5.0) * FPS))
     curves = step_along(trajectory, gait, manner)
     flight = 0.09 * np.cos(2 * np.pi * (trajectory.phase[PAD:-PAD] - (0.86 if offset < 0.5 else 0.56)))
     curves.root[:, 1] += trajectory.effort[PAD:-PAD] * flight
@@ -185,7 +185,7 @@ def stop_suddenly(step: ActionStep, manner: Manner, rng: Generator, frames: int)
         if runs
         else Gait(speed=rng.uniform(1.1, 1.5), cadence=1.9)
     )
-    trajectory, gait = travel(step, gait, manner, rng, frames, 1 - ease((now - when) / 0.35))
+    trajectory, gait = plan_gait(step, gait, manner, rng, frames, 1 - ease((now - when) / 0.35))
     curves = step_along(trajectory, gait, manner)
     jolt = np.exp(-np.square((now[PAD:-PAD] - when - 0.3) / 0.18))
     curves.pelvis[:, 0] -= (0.25 if runs else 0.12) * jolt

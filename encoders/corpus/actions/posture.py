@@ -10,7 +10,7 @@ from encoders.corpus.engine.curves import ANKLE, HIP, LEFT, LEGS, RIGHT, Array, 
 from encoders.corpus.engine.program import AMPLITUDES, program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import duration
-from encoders.corpus.engine.whole_body_poses import STANDING, down_and_up, perform, pose, waver
+from encoders.corpus.engine.whole_body_poses import STANDING, down_and_up, irregular_wave, perform, pose
 from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
@@ -21,10 +21,10 @@ def stand(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curv
     frames = duration(3.5, step, manner, rng, frames)
     curves = standing(frames, LEGS)
     calm = rng.uniform(0.2, 1.0)
-    curves.root[:, 0] += 0.012 * calm * waver(frames, rng, (0.1, 0.35))
-    curves.root[:, 2] += 0.01 * calm * waver(frames, rng, (0.1, 0.35))
-    curves.spine[:, 0] += 0.02 * waver(frames, rng, (0.2, 0.35))
-    curves.head[:, 2] += 0.12 * calm * waver(frames, rng, (0.1, 0.3))
+    curves.root[:, 0] += 0.012 * calm * irregular_wave(frames, rng, (0.1, 0.35))
+    curves.root[:, 2] += 0.01 * calm * irregular_wave(frames, rng, (0.1, 0.35))
+    curves.spine[:, 0] += 0.02 * irregular_wave(frames, rng, (0.2, 0.35))
+    curves.head[:, 2] += 0.12 * calm * irregular_wave(frames, rng, (0.1, 0.3))
     curves.feet[..., 0] *= rng.uniform(0.7, 1.8)
     curves.feet[:, :, 2] += rng.normal(0.0, 0.03, 2)
     return curves
@@ -153,10 +153,10 @@ def sit(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves
     frames = duration(3.5, step, manner, rng, frames)
     row, _ = _seat(step, rng)
     curves = perform(frames, [(0.0, row), (1.0, row)])
-    curves.spine[:, 0] += 0.06 * waver(frames, rng, (0.1, 0.3))
-    curves.spine[:, 1] += 0.03 * waver(frames, rng, (0.1, 0.3))
-    curves.head[:, 2] += 0.25 * rng.random() * waver(frames, rng, (0.1, 0.3))
-    curves.hands[..., 1] += 0.03 * waver(frames, rng, (0.1, 0.4))[:, None]
+    curves.spine[:, 0] += 0.06 * irregular_wave(frames, rng, (0.1, 0.3))
+    curves.spine[:, 1] += 0.03 * irregular_wave(frames, rng, (0.1, 0.3))
+    curves.head[:, 2] += 0.25 * rng.random() * irregular_wave(frames, rng, (0.1, 0.3))
+    curves.hands[..., 1] += 0.03 * irregular_wave(frames, rng, (0.1, 0.4))[:, None]
     return curves
 
 

@@ -11,7 +11,7 @@ from encoders.corpus.engine.curves import BODY, LEFT, LEGS, RIGHT, Curves, frame
 from encoders.corpus.engine.gait import PAD, Gait, Trajectory, gait_phase, step_along
 from encoders.corpus.engine.program import program
 from encoders.corpus.engine.style import Manner
-from encoders.corpus.engine.trajectories import TURN, effort, go, seconds, travel
+from encoders.corpus.engine.trajectories import TURN, effort, perform_gait, plan_gait, seconds
 from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
@@ -24,7 +24,7 @@ def stagger(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Cu
     frames = frames or int(rng.uniform(3.0, 6.0) * FPS)
     manner = replace(manner, width=manner.width + 0.4, sway=manner.sway + 0.5, wander=max(manner.wander, 0.1))
     gait = Gait(speed=rng.uniform(0.5, 1.0), cadence=rng.uniform(1.4, 1.9), arms=0.3, push=0.4)
-    trajectory, gait = travel(step, gait, manner, rng, frames)
+    trajectory, gait = plan_gait(step, gait, manner, rng, frames)
     now = seconds(frames)
     reel = sum(
         rng.normal(0.0, 0.12) * np.sin(2 * np.pi * (rng.uniform(0.2, 0.6) * now + rng.random())) for _ in range(3)
@@ -51,7 +51,7 @@ def stumble(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Cu
     trip = np.exp(-np.square((now - when) / rng.uniform(0.2, 0.35)))
     gait = Gait(speed=rng.uniform(0.9, 1.3), cadence=rng.uniform(1.7, 2.0))
     going = effort(frames, rng) * (1 + 0.7 * trip)
-    trajectory, gait = travel(step, gait, manner, rng, frames, going)
+    trajectory, gait = plan_gait(step, gait, manner, rng, frames, going)
     phase = trajectory.phase + 0.5 * np.cumsum(trip) / FPS
     curves = step_along(replace(trajectory, phase=phase, effort=np.minimum(trajectory.effort, 1.2)), gait, manner)
     trip = trip[PAD:-PAD]
@@ -124,7 +124,7 @@ def get_pushed(step: ActionStep, manner: Manner, rng: Generator, frames: int) ->
 def balance_beam(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Walk one foot before the other as on a narrow beam, arms out."""
     gait = Gait(speed=rng.uniform(0.3, 0.7), cadence=rng.uniform(1.0, 1.5), duty=0.68, width=0.01, bob=0.01, push=0.4)
-    curves = go(step, gait, replace(manner, width=0.0), rng, frames)
+    curves = perform_gait(step, gait, replace(manner, width=0.0), rng, frames)
     frames = len(curves)
     now = np.arange(frames) / FPS
     wobble = 0.09 * np.sin(2 * np.pi * (0.5 * now + rng.random())) + 0.05 * np.sin(
@@ -142,7 +142,7 @@ def balance_beam(step: ActionStep, manner: Manner, rng: Generator, frames: int) 
 def moonwalk(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Glide backward: one foot slides flat while the other stands on its toes."""
     frames = frames or int(rng.uniform(2.5, 5.0) * FPS)
-    trajectory, gait = travel(
+    trajectory, gait = plan_gait(
         replace(step, direction="backward"),
         Gait(speed=rng.uniform(0.6, 0.9), cadence=2.0, bob=0.0, push=0.0, arms=0.2),
         manner,
@@ -162,7 +162,7 @@ def moonwalk(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> C
 def ice_skate(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Glide on one foot and push outward with the other, arms swinging sideways."""
     frames = frames or int(rng.uniform(3.0, 6.0) * FPS)
-    trajectory, gait = travel(
+    trajectory, gait = plan_gait(
         step,
         Gait(speed=rng.uniform(1.8, 3.0), cadence=rng.uniform(1.0, 1.5), crouch=0.14, lean=0.5),
         manner,

@@ -12,7 +12,7 @@ from encoders.corpus.actions.programs import parts_of, program_of
 from encoders.corpus.engine.arm_carriage import carry_idle_hands
 from encoders.corpus.engine.clip_ends import begin_and_end
 from encoders.corpus.engine.curves import CHANNELS, Array, Curves
-from encoders.corpus.engine.joining import at_rest, chain, overlay, pause, roam
+from encoders.corpus.engine.joining import at_rest, chain, overlay, pause, smooth_noise
 from encoders.corpus.engine.posing import pose, random_geometry
 from encoders.corpus.engine.stance import Stance, sample_stance, stand
 from encoders.corpus.engine.style import STYLES, apply_manner, sample_individual, sample_manner
@@ -23,7 +23,9 @@ from encoders.motion import FPS
 _ALL_STYLES = {**STYLES, **HELD_OUT_STYLES}
 
 
-def act(step: ActionStep, individual: Array, rng: Generator, frames: int = 0, stance: Stance | None = None) -> Curves:
+def perform_step(
+    step: ActionStep, individual: Array, rng: Generator, frames: int = 0, stance: Stance | None = None
+) -> Curves:
     """Perform one step in a performer's own manner and stance; `frames` is a hint.
 
     Raises
@@ -37,15 +39,15 @@ def act(step: ActionStep, individual: Array, rng: Generator, frames: int = 0, st
     return stand(curves, stance, rng) if stance else curves
 
 
-def _act_group(group: Sequence[ActionStep], individual: Array, stance: Stance, rng: Generator) -> Curves:
+def _perform_group(group: Sequence[ActionStep], individual: Array, stance: Stance, rng: Generator) -> Curves:
     """Simultaneous steps: the one that needs the legs (else the first) carries the others."""
     if len(group) == 1:
-        return act(group[0], individual, rng, 0, stance)
+        return perform_step(group[0], individual, rng, 0, stance)
     carrier = max(range(len(group)), key=lambda i: ("legs" in parts_of(group[i]), -i))
-    extras = [act(step, individual, rng) for i, step in enumerate(group) if i != carrier]
+    extras = [perform_step(step, individual, rng) for i, step in enumerate(group) if i != carrier]
     longest = max(map(len, extras))
     frames = int(max(longest + rng.integers(4, 24), rng.uniform(2.0, 5.0) * FPS))
-    base = act(group[carrier], individual, rng, frames, stance)
+    base = perform_step(group[carrier], individual, rng, frames, stance)
     for extra in extras:
         base = overlay(base, extra, int(rng.integers(0, max(len(base) - len(extra), 0) + 1)))
     return base
@@ -74,11 +76,11 @@ def _consistent(scene: Scene, rng: Generator) -> list[tuple[ActionStep, ...]]:
     return groups
 
 
-def act_scene(scene: Scene, rng: Generator, *, variation: float = 1.0) -> Curves:
+def perform_scene(scene: Scene, rng: Generator, *, variation: float = 1.0) -> Curves:
     """Perform a whole scene by one performer; one span per step group."""
     individual = sample_individual(rng) * variation
     stance = sample_stance(rng, variation)
-    movements = [_act_group(group, individual, stance, rng) for group in _consistent(scene, rng)]
+    movements = [_perform_group(group, individual, stance, rng) for group in _consistent(scene, rng)]
     movements = [
         pause(m, 0, int(rng.integers(1, 16))) if rng.random() < 0.25 * variation and at_rest(m, -1) else m
         for m in movements
@@ -90,28 +92,28 @@ def act_scene(scene: Scene, rng: Generator, *, variation: float = 1.0) -> Curves
 
 
 #: Amplitude of slow noise on each channel: metres, radians, arm lengths.
-_UNREST = np.zeros(CHANNELS)
-_UNREST[[0, 1, 2]] = [0.004, 0.002, 0.004]
-_UNREST[4:7] = 0.018
-_UNREST[7:10] = 0.03
-_UNREST[10:13] = 0.06
+_NOISE = np.zeros(CHANNELS)
+_NOISE[[0, 1, 2]] = [0.004, 0.002, 0.004]
+_NOISE[4:7] = 0.018
+_NOISE[7:10] = 0.03
+_NOISE[10:13] = 0.06
 for _arm in (25, 35):
-    _UNREST[_arm : _arm + 3] = 0.018
-    _UNREST[_arm + 3] = 0.08
+    _NOISE[_arm : _arm + 3] = 0.018
+    _NOISE[_arm + 3] = 0.08
 _FEET = [13, 14, 15, 19, 20, 21]
 
 
-def _unrest(curves: Curves, rng: Generator, variation: float) -> None:
+def _add_noise(curves: Curves, rng: Generator, variation: float) -> None:
     strength = variation * float(np.exp(rng.normal(0.0, 0.5)))
-    curves.data += strength * _UNREST * roam(len(curves), CHANNELS, rng, 1.2)
+    curves.data += strength * _NOISE * smooth_noise(len(curves), CHANNELS, rng, 1.2)
     if rng.random() < 0.3 * variation:  # slight foot sliding and floating, as in imperfect captures
-        curves.data[:, _FEET] += rng.uniform(0.0, 0.012) * roam(len(curves), len(_FEET), rng, 2.0)
+        curves.data[:, _FEET] += rng.uniform(0.0, 0.012) * smooth_noise(len(curves), len(_FEET), rng, 2.0)
 
 
 def _clock(frames: int, rng: Generator, variation: float) -> Array:
     """Time warp: the source frame of each frame of a clip, (F',), at 0.75 to 1.3 times the speed."""
     longest = int(frames / 0.75) + 1
-    rate = np.exp(variation * (rng.normal(0.0, 0.08) + 0.05 * roam(longest, 1, rng, 0.7)[:, 0]))
+    rate = np.exp(variation * (rng.normal(0.0, 0.08) + 0.05 * smooth_noise(longest, 1, rng, 0.7)[:, 0]))
     at = np.concatenate([[0.0], np.cumsum(np.clip(rate, 0.75, 1.3))])
     return np.asarray(at[at <= frames - 1])
 
@@ -154,7 +156,7 @@ def make_clip(scene: Scene, rng: Generator, *, captions: Sequence[str] = (), var
     KeyError
         If an action or a style is unknown.
     """
-    curves = act_scene(scene, rng, variation=variation)
-    _unrest(curves, rng, variation)
+    curves = perform_scene(scene, rng, variation=variation)
+    _add_noise(curves, rng, variation)
     joints = pose(curves, random_geometry(rng, spread=variation))
     return _finish(scene, curves, joints, rng, variation, captions)

@@ -124,7 +124,7 @@ def at_rest(curves: Curves, frame: int) -> bool:
     return bool(np.abs(step[[0, 2]]).max() < 0.012)
 
 
-def roam(frames: int, channels: int, rng: Generator, hertz: float) -> Array:
+def smooth_noise(frames: int, channels: int, rng: Generator, hertz: float) -> Array:
     """Smooth noise (F, C) with unit variance at `hertz` knots per second."""
     knots = max(int(frames / 20 * hertz) + 2, 4)
     at = np.linspace(0, knots - 1.001, frames)

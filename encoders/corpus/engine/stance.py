@@ -11,7 +11,7 @@ import numpy as np
 from numpy.random import Generator
 
 from encoders.corpus.engine.curves import ANKLE, Array, Curves
-from encoders.corpus.engine.joining import roam
+from encoders.corpus.engine.joining import smooth_noise
 
 #: Standing: hips at least this high, feet that move less than this (metres).
 _HIPS, _STAYS = 0.78, 0.02
@@ -82,7 +82,7 @@ def stand(curves: Curves, stance: Stance, rng: Generator) -> Curves:
 
 def _sway(curves: Curves, restless: float, aside: Array, along: Array, rng: Generator) -> None:
     """Shift the weight between feet and between heel and toe; turn and lean the trunk with moving arms."""
-    drift = restless * roam(len(curves), 6, rng, 1.0)
+    drift = restless * smooth_noise(len(curves), 6, rng, 1.0)
     curves.root[:] += 0.014 * drift[:, :1] * aside + 0.02 * drift[:, 1:2] * along
     curves.root[:, 1] -= 0.006 * np.abs(drift[:, 2])
     curves.pelvis[:, 0] += 0.02 * drift[:, 3]

@@ -122,7 +122,7 @@ def askew(rng: Generator) -> float:
     return float(np.clip(rng.normal(0.0, 0.08), -0.21, 0.21))
 
 
-def travel(
+def plan_gait(
     step: ActionStep, gait: Gait, manner: Manner, rng: Generator, frames: int, going: Array | None = None
 ) -> tuple[Trajectory, Gait]:
     """The trajectory of a step, and the gait modified by direction, speed, amplitude and manner."""
@@ -198,7 +198,7 @@ def integrate(way: Array, direction: Array) -> Array:
     return np.asarray(root - root[PAD])
 
 
-def stay(step: ActionStep, gait: Gait, manner: Manner, rng: Generator) -> int:
+def random_length(step: ActionStep, gait: Gait, manner: Manner, rng: Generator) -> int:
     """Random length of a gait in frames: up to 12 seconds, mostly limited by a room of 3 to 10 metres."""
     runs = gait.duty < 0.5
     most = rng.uniform(1.5, 4.0) if runs and rng.random() < 0.6 else rng.uniform(2.0, 6.0)
@@ -212,9 +212,9 @@ def stay(step: ActionStep, gait: Gait, manner: Manner, rng: Generator) -> int:
     return int(min(most, max(rng.uniform(2.5, 10.0) / speed, 0.8) + rng.uniform(0.1, 1.0)) * FPS)
 
 
-def go(step: ActionStep, gait: Gait, manner: Manner, rng: Generator, frames: int = 0) -> Curves:
+def perform_gait(step: ActionStep, gait: Gait, manner: Manner, rng: Generator, frames: int = 0) -> Curves:
     """Perform a gait in the step's direction, for `frames` or a random length."""
-    trajectory, gait = travel(step, gait, manner, rng, frames or stay(step, gait, manner, rng))
+    trajectory, gait = plan_gait(step, gait, manner, rng, frames or random_length(step, gait, manner, rng))
     curves = step_along(trajectory, gait, manner)
     # Hips and shoulders are rarely exactly parallel.
     twisted = rng.normal(0.0, 0.05)

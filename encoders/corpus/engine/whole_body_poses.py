@@ -76,7 +76,7 @@ def perform(frames: int, poses: Sequence[tuple[float, Array]], parts: frozenset[
 STANDING = pose()
 
 
-def waver(frames: int, rng: Generator, hertz: tuple[float, float]) -> Array:
+def irregular_wave(frames: int, rng: Generator, hertz: tuple[float, float]) -> Array:
     """A slow irregular wave (F,) of about unit amplitude."""
     time = np.arange(frames) / FPS
     waves = [np.sin(2 * np.pi * (rng.uniform(*hertz) * time + rng.random())) for _ in range(2)]

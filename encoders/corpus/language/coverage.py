@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from encoders.corpus.language.lexicon import entries
-from encoders.corpus.language.parsing import read
+from encoders.corpus.language.parsing import parse_report
 
 _WORD = re.compile(r"[a-z']+")
 
@@ -44,13 +44,13 @@ def coverage(sentences: Iterable[str]) -> Coverage:
     missing: Counter[str] = Counter()
     actions: Counter[str] = Counter()
     for sentence in sentences:
-        reading = read(sentence)
+        report = parse_report(sentence)
         count += 1
-        known += bool(reading.verbs) and all(can for _, can in reading.verbs)
-        missing.update(verb for verb, can in reading.verbs if not can)
-        if reading.scene is not None:
+        known += bool(report.verbs) and all(can for _, can in report.verbs)
+        missing.update(verb for verb, can in report.verbs if not can)
+        if report.scene is not None:
             parsed += 1
-            actions.update(step.action for group in reading.scene.steps for step in group)
+            actions.update(step.action for group in report.scene.steps for step in group)
     total = max(count, 1)
     return Coverage(count, known / total, parsed / total, missing, actions)
 

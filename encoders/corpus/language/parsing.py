@@ -57,7 +57,7 @@ _REPEATABLE = ("then", "and", ",", "next", "finally")
 
 
 @dataclass
-class Reading:
+class ParseReport:
     """The result of parsing a sentence.
 
     Attributes
@@ -208,21 +208,21 @@ class _SceneBuilder:
         return True
 
 
-def read(sentence: str) -> Reading:
+def parse_report(sentence: str) -> ParseReport:
     """Parse a sentence, and report its verbs and the clauses that fail."""
-    reading, builder = Reading(), _SceneBuilder()
+    report, builder = ParseReport(), _SceneBuilder()
     text = normalise(sentence)
     clauses = _in_order(_split(drop_subject(text)))
     if not clauses:
-        reading.failed.append(text)
-        return reading
+        report.failed.append(text)
+        return report
     sure, before = True, ""
     for clause in clauses:
         lemma, verb, rest = _verb_and_rest(clause.words)
         if not verb:
             continue
         if builder.groups and _RETURNS.fullmatch(drop_auxiliaries(drop_subject(clause.words))):
-            reading.verbs.append((lemma or verb, True))
+            report.verbs.append((lemma or verb, True))
             last = builder.groups[-1][-1].action
             rests = programs()[last].group in ("gesture", "exercise") and not builder.goes
             if last in _COMES_UP if _UP.search(clause.words) else rests:
@@ -235,7 +235,7 @@ def read(sentence: str) -> Reading:
                 lemma, rest = builder.lemma, again
         found = extract_attributes(rest)
         if lemma or verb not in _NO_VERB:
-            reading.verbs.append((lemma or verb, bool(lemma) and matches_some_rule(lemma, found)))
+            report.verbs.append((lemma or verb, bool(lemma) and matches_some_rule(lemma, found)))
         denied = bool(_DENIED.search(clause.words)) and not re.search(
             r"(?:opposite|other) (?:way|direction)", clause.words
         )
@@ -250,32 +250,13 @@ def read(sentence: str) -> Reading:
         before = verb
         if step is None or not builder.add(step, join):
             sure = False
-            reading.failed.append(clause.words)
+            report.failed.append(clause.words)
         builder.lemma = lemma
     if sure and builder.groups:
-        reading.scene = Scene(tuple(builder.groups))
-    return reading
+        report.scene = Scene(tuple(builder.groups))
+    return report
 
 
-def parse(sentence: str, *, strict: bool = True) -> Scene | None:
-    """The scene that a sentence describes.
-
-    Parameters
-    ----------
-    strict : bool
-        All clauses must parse; otherwise those that do form the scene.
-
-    Returns
-    -------
-    Scene or None
-        None if the sentence cannot be parsed.
-    """
-    if strict:
-        return read(sentence).scene
-    builder = _SceneBuilder()
-    for clause in _in_order(_split(drop_subject(normalise(sentence)))) or ():
-        lemma, _, rest = _verb_and_rest(clause.words)
-        step = step_of(lemma, clause.words, extract_attributes(rest), builder.context) if lemma else None
-        if step is not None:
-            builder.add(step, clause.join)
-    return Scene(tuple(builder.groups)) if builder.groups else None
+def parse(sentence: str) -> Scene | None:
+    """The scene that a sentence describes; None in case of doubt: every clause must be parsed."""
+    return parse_report(sentence).scene

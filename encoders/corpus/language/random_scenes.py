@@ -11,6 +11,7 @@ from numpy.random import Generator
 from encoders.corpus.actions.programs import programs, sample_step
 from encoders.corpus.engine.program import Program
 from encoders.corpus.language.lexicon import PHRASES, entry_of
+from encoders.corpus.language.weighted_choice import pick_weighted
 from encoders.corpus.scene import ActionStep, Scene
 
 _LENGTHS = (0.5, 0.28, 0.15, 0.07)  # share of scenes with 1, 2, 3 and 4 steps in sequence
@@ -41,12 +42,7 @@ def _drawable() -> tuple[tuple[Program, float], ...]:
 
 
 def _draw(rng: Generator, options: list[tuple[Program, float]]) -> Program:
-    sums, total = [], 0.0
-    for _, weight in options:
-        total += weight
-        sums.append(total)
-    target = rng.random() * total
-    return next((option for (option, _), limit in zip(options, sums, strict=True) if target < limit), options[-1][0])
+    return pick_weighted(rng, [action for action, _ in options], [weight for _, weight in options])
 
 
 def _companion(base: Program, rng: Generator) -> Program | None:

@@ -17,7 +17,7 @@ def plain(*groups: ActionStep | tuple[ActionStep, ...], seed: int = 0) -> SceneC
     return make_clip(scene, np.random.default_rng(seed), variation=0.0)
 
 
-def act(step: ActionStep, seed: int = 0, frames: int = 0) -> Curves:
+def perform(step: ActionStep, seed: int = 0, frames: int = 0) -> Curves:
     return programs()[step.action].make(step, NEUTRAL, np.random.default_rng(seed), frames)
 
 

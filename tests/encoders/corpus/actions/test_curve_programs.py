@@ -9,7 +9,7 @@ from encoders.corpus.actions.programs import programs, sample_step
 from encoders.corpus.composition.scene_clips import make_clip
 from encoders.corpus.engine.curves import ANKLE, STAND
 from encoders.corpus.scene import ActionStep, Scene
-from tests.encoders.corpus.performances import act, peaks
+from tests.encoders.corpus.performances import peaks, perform
 
 CURVE_PROGRAMS = sorted(n for n, p in programs().items() if p.make.__module__.startswith("encoders.corpus.actions."))
 
@@ -32,20 +32,20 @@ def test_every_program_gives_plausible_motion_for_random_attributes(name: str) -
 @pytest.mark.parametrize("count", [1, 2, 4])
 def test_counts_are_kept(count: int) -> None:
     for seed in range(3):
-        feet = act(ActionStep("jump", count=count), seed).feet[..., 1].min(axis=1)
+        feet = perform(ActionStep("jump", count=count), seed).feet[..., 1].min(axis=1)
         assert peaks(feet, ANKLE + 0.03) == count
-        assert peaks(STAND - act(ActionStep("squat", count=count), seed).root[:, 1], 0.1) == count
-        bow = act(ActionStep("bow", count=count), seed)
+        assert peaks(STAND - perform(ActionStep("squat", count=count), seed).root[:, 1], 0.1) == count
+        bow = perform(ActionStep("bow", count=count), seed)
         assert peaks((bow.spine + bow.pelvis)[:, 0], 0.2) == count
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_sides_are_the_bodys_own(side: str) -> None:
     on = ("left", "right").index(side)
-    hop = act(ActionStep("hop", side=side, direction="in place"))
+    hop = perform(ActionStep("hop", side=side, direction="in place"))
     middle = len(hop) // 2
     assert hop.feet[middle, on, 1] < hop.feet[middle, 1 - on, 1] - 0.1
-    kneeling = act(ActionStep("kneel", side=side))
+    kneeling = perform(ActionStep("kneel", side=side))
     assert kneeling.feet[:, on, 2].min() < kneeling.feet[:, 1 - on, 2].min() - 0.3
-    balance = act(ActionStep("balance on one leg", side=side))
+    balance = perform(ActionStep("balance on one leg", side=side))
     assert balance.feet[len(balance) // 2, 1 - on, 1] > balance.feet[len(balance) // 2, on, 1] + 0.2

@@ -12,7 +12,7 @@ from encoders.corpus.engine.posing import OFFSETS, pose
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.scene import ActionStep, Scene
 from encoders.skeleton import INDEX
-from tests.encoders.corpus.performances import act, joint, peaks, plain
+from tests.encoders.corpus.performances import joint, peaks, perform, plain
 
 
 @pytest.mark.parametrize(
@@ -29,7 +29,7 @@ from tests.encoders.corpus.performances import act, joint, peaks, plain
     ids=str,
 )
 def test_feet_do_not_slide_in_stance(step: ActionStep) -> None:
-    curves = act(step)
+    curves = perform(step)
     flat = (np.abs(curves.feet[..., 1] - ANKLE) < 1e-3) & (np.abs(curves.foot_pitch) < 1e-3)
     stands = flat[1:] & flat[:-1]
     assert stands.mean() > 0.15
@@ -46,7 +46,7 @@ def test_feet_do_not_slide_in_stance(step: ActionStep) -> None:
 ])  # fmt: skip
 def test_walking_follows_the_direction_with_plus_x_to_the_left(direction: str, toward: tuple[int, int]) -> None:
     for seed in range(6):
-        curves = act(ActionStep("walk", direction=direction), seed, 100)
+        curves = perform(ActionStep("walk", direction=direction), seed, 100)
         way = curves.root[-1, [0, 2]] - curves.root[0, [0, 2]]
         for axis in (0, 1):
             if toward[axis]:
@@ -58,8 +58,8 @@ def test_walking_follows_the_direction_with_plus_x_to_the_left(direction: str, t
     ("direction", "sign"), [("left", 1), ("right", -1), ("counterclockwise", 1), ("clockwise", -1)]
 )
 def test_turning_left_is_counterclockwise_from_above(direction: str, sign: int) -> None:
-    assert all(sign * act(ActionStep("turn", direction=direction), seed).heading[-1] > 0.9 for seed in range(4))
-    assert sign * act(ActionStep("spin jump", direction=direction)).heading[-1] > 0.9
+    assert all(sign * perform(ActionStep("turn", direction=direction), seed).heading[-1] > 0.9 for seed in range(4))
+    assert sign * perform(ActionStep("spin jump", direction=direction)).heading[-1] > 0.9
     clip = plain(ActionStep("turn", direction=direction))
     across = joint(clip, "left_hip") - joint(clip, "right_hip")
     turned = np.unwrap(np.arctan2(-across[:, 2], across[:, 0]))
@@ -67,8 +67,8 @@ def test_turning_left_is_counterclockwise_from_above(direction: str, sign: int) 
 
 
 def test_walking_in_place_stays_and_back_and_forth_returns() -> None:
-    assert np.abs(act(ActionStep("walk", direction="in place")).root[:, [0, 2]]).max() < 0.1
-    curves = act(ActionStep("walk", direction="back and forth"), 0, 160)
+    assert np.abs(perform(ActionStep("walk", direction="in place")).root[:, [0, 2]]).max() < 0.1
+    curves = perform(ActionStep("walk", direction="back and forth"), 0, 160)
     assert np.ptp(curves.root[:, 2]) > 1
     assert np.abs(np.gradient(curves.heading)).max() > 0.05
 
@@ -78,7 +78,7 @@ def test_gaits_go_at_human_speeds(name: str, low: float, high: float) -> None:
     for seed in range(8):
         speed = (
             np.linalg.norm(
-                np.diff(act(ActionStep(name, direction="forward"), seed, 80).root[:, [0, 2]], axis=0), axis=1
+                np.diff(perform(ActionStep(name, direction="forward"), seed, 80).root[:, [0, 2]], axis=0), axis=1
             )
             * 20
         )
@@ -104,7 +104,10 @@ def test_a_sprint_is_fast_in_any_manner_but_a_run_may_be_slow() -> None:
 
 def test_a_slower_run_lifts_the_feet_less_and_stands_longer() -> None:
     slow, fast = (
-        [act(ActionStep("run", direction="forward", speed=speed), seed, 80).feet[..., 1] - ANKLE for seed in range(12)]
+        [
+            perform(ActionStep("run", direction="forward", speed=speed), seed, 80).feet[..., 1] - ANKLE
+            for seed in range(12)
+        ]
         for speed in ("slow", "fast")
     )
     assert np.mean([x.max() for x in slow]) < 0.75 * np.mean([x.max() for x in fast])
@@ -113,7 +116,7 @@ def test_a_slower_run_lifts_the_feet_less_and_stands_longer() -> None:
 
 def test_arm_carriage_varies_between_runners() -> None:
     hands = np.array(
-        [act(ActionStep("run", direction="forward"), seed, 80).hands.mean(axis=(0, 1)) for seed in range(40)]
+        [perform(ActionStep("run", direction="forward"), seed, 80).hands.mean(axis=(0, 1)) for seed in range(40)]
     )
     outward, height = hands[:, 0], hands[:, 1]
     assert height.min() < -0.75 < -0.6 < height.max()
@@ -135,7 +138,7 @@ def test_turns_at_speed_have_a_wide_radius() -> None:
 def test_sidesteps_keep_facing_ahead(direction: str, sign: int) -> None:
     turned = []
     for seed in range(8):
-        curves = act(ActionStep("sidestep", direction=direction), seed)
+        curves = perform(ActionStep("sidestep", direction=direction), seed)
         turned.append(np.abs(curves.heading).max())
         assert sign * (curves.root[-1, 0] - curves.root[0, 0]) > 0.3
     assert np.median(turned) < 0.2, "most keep facing ahead"
@@ -146,7 +149,7 @@ def test_sidesteps_keep_facing_ahead(direction: str, sign: int) -> None:
 @pytest.mark.parametrize(("direction", "axis", "sign"), [("forward", 2, 1), ("backward", 2, -1), ("left", 0, 1)])
 def test_single_steps_follow_count_and_direction(direction: str, axis: int, sign: int, count: int) -> None:
     for seed in range(3):
-        curves = act(ActionStep("take steps", direction=direction, count=count), seed)
+        curves = perform(ActionStep("take steps", direction=direction, count=count), seed)
         lifts = sum(peaks(curves.feet[:, foot, 1], ANKLE + 0.025) for foot in (0, 1))
         assert lifts in ((2 * count,) if direction == "left" else (count, count + 1))  # with and without closing
         assert sign * curves.root[-1, axis] > 0.1 * count
@@ -155,12 +158,12 @@ def test_single_steps_follow_count_and_direction(direction: str, axis: int, sign
 @pytest.mark.parametrize(("direction", "sign"), [("left", 1), ("right", -1)])
 def test_half_a_circle_turns_by_half_a_turn(direction: str, sign: int) -> None:
     for seed in range(4):
-        assert 2.3 < sign * act(ActionStep("walk half circle", direction=direction), seed).heading[-1] < 4.0
+        assert 2.3 < sign * perform(ActionStep("walk half circle", direction=direction), seed).heading[-1] < 4.0
 
 
 def test_a_figure_of_eight_turns_both_ways_and_returns() -> None:
     for seed in range(4):
-        curves = act(ActionStep("walk figure eight"), seed)
+        curves = perform(ActionStep("walk figure eight"), seed)
         assert np.ptp(curves.heading) > 5.0
         assert abs(curves.heading[-1] - curves.heading[0]) < 1.0
 
@@ -168,7 +171,7 @@ def test_a_figure_of_eight_turns_both_ways_and_returns() -> None:
 @pytest.mark.parametrize(("direction", "axis", "sign"), [("forward", 2, 1), ("backward", 2, -1), ("right", 0, -1)])
 def test_a_push_moves_the_body_in_its_direction(direction: str, axis: int, sign: int) -> None:
     for seed in range(5):
-        curves = act(ActionStep("get pushed", direction=direction), seed)
+        curves = perform(ActionStep("get pushed", direction=direction), seed)
         assert sign * (curves.root[-1, axis] - curves.root[0, axis]) > 0.15
         assert np.abs(np.diff(curves.root[-5:], axis=0)).max() < 0.02, "it stands again"
 
@@ -177,7 +180,7 @@ def test_straight_walks_drift_slightly_and_diagonal_ones_differ_from_them() -> N
     def aside(direction: str) -> np.ndarray:
         found = []
         for seed in range(40):
-            curves = act(ActionStep("walk", direction=direction), seed, 80)
+            curves = perform(ActionStep("walk", direction=direction), seed, 80)
             way = curves.root[-1, [0, 2]] - curves.root[0, [0, 2]]
             if np.ptp(curves.heading) < 0.3:  # the others turn to where they go
                 found.append(np.degrees(np.arctan2(way[0], way[1]) - curves.heading.mean()))

@@ -9,11 +9,11 @@ from encoders.corpus.actions.programs import compatible, parts_of
 from encoders.corpus.engine.joining import join
 from encoders.corpus.engine.posing import OFFSETS, pose
 from encoders.corpus.scene import ActionStep
-from tests.encoders.corpus.performances import act, joint, plain
+from tests.encoders.corpus.performances import joint, perform, plain
 
 
 def test_steps_in_sequence_join_where_the_one_before_ended() -> None:
-    walk, turn = act(ActionStep("walk", direction="forward"), 0, 60), act(ActionStep("turn", direction="left"))
+    walk, turn = perform(ActionStep("walk", direction="forward"), 0, 60), perform(ActionStep("turn", direction="left"))
     joined = join(walk, turn)
     frames = len(joined) - len(walk) - len(turn)
     assert 4 <= frames <= 26

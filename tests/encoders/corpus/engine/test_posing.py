@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from encoders.corpus.composition.scene_clips import act_scene
+from encoders.corpus.composition.scene_clips import perform_scene
 from encoders.corpus.engine.curves import Curves, standing
 from encoders.corpus.engine.posing import OFFSETS, pose, random_geometry
 from encoders.corpus.scene import ActionStep, Scene
@@ -15,7 +15,7 @@ from tests.encoders.corpus.performances import joint, plain
 
 def test_bones_keep_their_lengths() -> None:
     rng = np.random.default_rng(0)
-    curves = act_scene(Scene(((ActionStep("run"),), (ActionStep("squat", count=2),))), rng)
+    curves = perform_scene(Scene(((ActionStep("run"),), (ActionStep("squat", count=2),))), rng)
     joints = pose(curves, random_geometry(rng))
     bones = np.linalg.norm(joints[:, 1:] - joints[:, PARENTS[1:]], axis=-1)
     np.testing.assert_allclose(bones, np.broadcast_to(bones[0], bones.shape), atol=1e-9)
@@ -31,7 +31,7 @@ def test_knees_bend_forward_and_elbows_back() -> None:
 
 
 def test_mirrored_curves_are_the_mirrored_motion() -> None:
-    curves = act_scene(
+    curves = perform_scene(
         Scene(((ActionStep("lunge", side="left"),), (ActionStep("turn", direction="left"),))), np.random.default_rng(1)
     )
     mirrored = Motion(pose(curves, OFFSETS).astype(np.float32)).mirror().joints

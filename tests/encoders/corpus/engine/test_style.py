@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from encoders.corpus.composition.scene_clips import act_scene
+from encoders.corpus.composition.scene_clips import perform_scene
 from encoders.corpus.engine.arm_carriage import CARRIAGES
 from encoders.corpus.engine.curves import HANGING, standing
 from encoders.corpus.engine.style import NEUTRAL, STYLES, apply_manner
@@ -23,7 +23,7 @@ def test_styles_change_the_body(style: str, measure: str, sign: int) -> None:
     def measured(name: str) -> float:
         values = []
         for seed in range(12):
-            curves = act_scene(
+            curves = perform_scene(
                 Scene(((ActionStep("walk", direction="forward", style=name),),)), np.random.default_rng(seed)
             )
             values.append({
@@ -52,7 +52,7 @@ def test_style_variants_belong_to_known_styles_and_set_manner_fields() -> None:
 def test_styles_change_gestures_and_standing_too(action: str, style: str, sign: int) -> None:
     def bend(name: str) -> float:
         scene = Scene(((ActionStep(action, style=name),),))
-        return float(np.mean([act_scene(scene, np.random.default_rng(s)).spine[:, 0].mean() for s in range(12)]))
+        return float(np.mean([perform_scene(scene, np.random.default_rng(s)).spine[:, 0].mean() for s in range(12)]))
 
     assert sign * (bend(style) - bend("")) > 0.1
 
