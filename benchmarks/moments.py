@@ -27,7 +27,8 @@ from encoders.bundle.windows import LENGTHS as GRID_LENGTHS
 from encoders.bundle.windows import WINDOWS_A_LENGTH, window_starts
 from encoders.motion import Motion
 from indexer.ingest.load import load_motion
-from indexer.vectors.flat import FlatVectors, Found, Rows
+from indexer.vectors.blocks import IndexRows, SearchResult
+from indexer.vectors.faiss_index import FaissIndex
 from search.moments.localisation import rank_moments
 from search.moments.queried_motion import QueriedMotion
 from search.moments.window_scores import CURVE_LENGTHS, join, score_windows
@@ -123,8 +124,8 @@ class SimulatedGallery:
             noisy = noisy + rng.standard_normal(noisy.shape, dtype=np.float32) * 0.03
             noisy /= np.linalg.norm(noisy, axis=1, keepdims=True)
             spans = np.stack([starts % 60, starts % 60 + length], axis=1).astype(np.float32)
-            parts.append(Rows(owners, spans, noisy.astype(np.float16)))
-        self._index = FlatVectors.of(1, Rows.join(parts))
+            parts.append(IndexRows(owners, spans, noisy.astype(np.float16)))
+        self._index = FaissIndex.of(1, IndexRows.join(parts))
         self._count = sum(map(len, parts))
 
     def __len__(self) -> int:
@@ -132,7 +133,7 @@ class SimulatedGallery:
 
     def nearest_windows(
         self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None
-    ) -> Found:
+    ) -> SearchResult:
         """See `indexer.store.stored_library.StoredLibrary.nearest_windows`."""
         return self._index.search(queries, k, allowed=allowed)
 

@@ -35,8 +35,8 @@ from benchmarks.simulated import all_sentences, asked, simulate
 from encoders.bundle import bundle as bundles
 from indexer.store.stored_library import FILE, StoredLibrary
 from indexer.vectors.blocks import Block
-from indexer.vectors.flat import FlatVectors
-from indexer.vectors.sync import CLIPS, WINDOWS, Galleries
+from indexer.vectors.faiss_index import FaissIndex
+from indexer.vectors.library_indexes import CLIPS, WINDOWS, LibraryIndexes
 from search.library import Library
 from search.query.encoding import encode_queries
 
@@ -136,10 +136,10 @@ def recall(folder: Path, sentences: list[str]) -> dict[str, float]:
     """Recall by the name of an index: share of the rows of an exact search that the index returns."""
     found = {}
     with Library.open(folder) as library:
-        queries, galleries = encode_queries(library.bundle, sentences), Galleries(library.folder / "vectors")
+        queries, galleries = encode_queries(library.bundle, sentences), LibraryIndexes(library.folder / "vectors")
         for kind, k in ((CLIPS, 10), (WINDOWS, 160)):
             index = galleries.current(kind, library.connection)
-            exact = FlatVectors(index.generation, Block.of(index.rows))
+            exact = FaissIndex(index.generation, Block.of(index.rows))
             given, wanted = (np.stack(of.search(queries, k)[1:], axis=-1).tolist() for of in (index, exact))
             shares = [len({*map(tuple, g)} & {*map(tuple, w)}) / k for g, w in zip(given, wanted, strict=True)]
             found[f"{kind.name}, the best {k}"] = float(np.mean(shares))

@@ -12,7 +12,7 @@ import numpy as np
 from indexer.store import schema
 from indexer.store.files import INDEXED
 from indexer.store.stored_library import FILE, StoredLibrary
-from indexer.vectors.sync import CLIPS
+from indexer.vectors.library_indexes import CLIPS
 from search.query.vocabulary import vocabulary
 
 MANNERS = (
@@ -29,7 +29,7 @@ def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0
     rng = np.random.default_rng(seed)
     with StoredLibrary.open(around) as real:
         clips = [(clip, real.windows(clip.id)) for clip in real.clips_by_id(real.ids().tolist()).values()]
-        rows = real._galleries.current(CLIPS, real.connection).rows
+        rows = real.indexes.current(CLIPS, real.connection).rows
         whole = dict(zip(rows.owners.tolist(), rows.vectors, strict=True))
         model = real._model()
     assert model is not None

@@ -21,7 +21,7 @@ from indexer.store import captions, poses, schema
 from indexer.store.clips import LIVE, Caption, Clip, root_names, select
 from indexer.store.files import ARRAYS_ROOT
 from indexer.store.stats import stats
-from indexer.vectors.sync import CLIPS, WINDOWS, Galleries
+from indexer.vectors.library_indexes import CLIPS, WINDOWS, LibraryIndexes
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -47,7 +47,7 @@ class StoredLibrary:
         self._closed = False
         self._connections: list[sqlite3.Connection] = []
         self._captions: tuple[int, CaptionVectors] | None = None
-        self._galleries = Galleries(folder / "vectors")
+        self.indexes = LibraryIndexes(folder / "vectors")
         if bundle is not None:
             self._check(bundle)
 
@@ -311,7 +311,7 @@ class StoredLibrary:
 
         `allowed` are the sorted ids to choose from, None for all. Where there are fewer than k the id is -1.
         """
-        return self._galleries.current(CLIPS, self.connection).search(queries, k, allowed=allowed)[:2]
+        return self.indexes.current(CLIPS, self.connection).search(queries, k, allowed=allowed)[:2]
 
     def nearest_windows(
         self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None
@@ -320,12 +320,12 @@ class StoredLibrary:
 
         `allowed` are the sorted clip ids to choose from, None for all. Where there are fewer than k the id is -1.
         """
-        return self._galleries.current(WINDOWS, self.connection).search(queries, k, allowed=allowed)
+        return self.indexes.current(WINDOWS, self.connection).search(queries, k, allowed=allowed)
 
     def prepare(self) -> None:
         """Bring the vector indexes and their files up to date now rather than at the next query."""
         for kind in (CLIPS, WINDOWS):
-            self._galleries.current(kind, self.connection)
+            self.indexes.current(kind, self.connection)
 
     def windows(self, id: int) -> list[Windows]:
         """The windows of a clip, shortest length first."""

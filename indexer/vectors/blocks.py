@@ -1,4 +1,4 @@
-"""Blocks of rows: what an index is made of. A block never changes; rows that have gone are masked."""
+"""Blocks of rows: what an index consists of. A block is immutable; removed rows are masked."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-Found = tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]
+SearchResult = tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]
 
-#: Products of a query and a row from which on threads are worth their start.
+#: Products of a query and a row from which on threads pay for their start.
 _WORTH_THREADS = 1 << 22
 
 
 @dataclass(frozen=True)
-class Rows:
-    """What an index holds: one vector a row, whose it is and which stretch of it.
+class IndexRows:
+    """The rows of an index: a vector, the clip that owns it and the span of the clip that it encodes.
 
     Attributes
     ----------
@@ -37,18 +37,18 @@ class Rows:
     def __len__(self) -> int:
         return len(self.owners)
 
-    def __getitem__(self, mask: NDArray[np.bool_]) -> Rows:
-        return Rows(self.owners[mask], self.spans[mask], self.vectors[mask])
+    def __getitem__(self, mask: NDArray[np.bool_]) -> IndexRows:
+        return IndexRows(self.owners[mask], self.spans[mask], self.vectors[mask])
 
     @staticmethod
-    def none(size: int) -> Rows:
+    def none(size: int) -> IndexRows:
         """No rows, of vectors of `size` numbers."""
-        return Rows(np.empty(0, np.int64), np.empty((0, 2), np.float32), np.empty((0, size), np.float16))
+        return IndexRows(np.empty(0, np.int64), np.empty((0, 2), np.float32), np.empty((0, size), np.float16))
 
     @staticmethod
-    def join(parts: list[Rows]) -> Rows:
+    def join(parts: list[IndexRows]) -> IndexRows:
         """All rows of all parts, in order."""
-        return Rows(
+        return IndexRows(
             np.concatenate([part.owners for part in parts]),
             np.concatenate([part.spans for part in parts]),
             np.concatenate([part.vectors for part in parts]),
@@ -101,7 +101,7 @@ class Block:
         self.owners, self.spans, self.index = owners, spans, index
 
     @classmethod
-    def of(cls, rows: Rows) -> Block:
+    def of(cls, rows: IndexRows) -> Block:
         """A block over `rows`."""
         import faiss
 
@@ -115,12 +115,12 @@ class Block:
         return len(self.owners)
 
     @property
-    def rows(self) -> Rows:
+    def rows(self) -> IndexRows:
         """The rows; the vectors are a view of the index's memory."""
         count, size = self.index.ntotal, self.index.d
         if not count:
-            return Rows.none(size)
-        return Rows(self.owners, self.spans, np.asarray(_Codes(self.index, count, size)))
+            return IndexRows.none(size)
+        return IndexRows(self.owners, self.spans, np.asarray(_Codes(self.index, count, size)))
 
     @cached_property
     def _order(self) -> NDArray[np.int64] | None:
@@ -136,8 +136,8 @@ class Block:
         places = np.repeat(last - np.cumsum(counts), counts) + np.arange(counts.sum())
         return places if self._order is None else self._order[places]
 
-    def search(self, queries: NDArray[np.float32], k: int, mask: Mask | None) -> Found:
-        """The k best rows by inner product, of those in the mask; see `indexer.vectors.flat.Vectors.search`."""
+    def search(self, queries: NDArray[np.float32], k: int, mask: Mask | None) -> SearchResult:
+        """The k best rows by inner product, of those in the mask; see `FaissIndex.search`."""
         import faiss
 
         # Threads share queries out. For one query, or little to do, they only wait for memory and for each other.
@@ -149,44 +149,44 @@ class Block:
             only = parameters(sel=selector(mask.bits))
         return self._found(*self.index.search(queries, k, params=only))
 
-    def _found(self, scores: NDArray[np.float32], rows: NDArray[np.int64]) -> Found:
+    def _found(self, scores: NDArray[np.float32], rows: NDArray[np.int64]) -> SearchResult:
         owners = np.where(rows < 0, -1, self.owners[rows])
         spans = self.spans[rows]
         return np.where(rows < 0, -np.inf, scores).astype(np.float32), owners, spans[..., 0], spans[..., 1]
 
 
 @dataclass(frozen=True)
-class Part:
-    """A block, and which of its rows are still there; None for all."""
+class MaskedBlock:
+    """A block and the mask of its rows that are not removed; None for all."""
 
     block: Block
-    kept: Mask | None = None
+    mask: Mask | None = None
 
     def __len__(self) -> int:
-        return len(self.block) if self.kept is None else self.kept.count
+        return len(self.block) if self.mask is None else self.mask.count
 
     @property
-    def there(self) -> NDArray[np.bool_]:
-        """For each row of the block, whether it is there."""
+    def present(self) -> NDArray[np.bool_]:
+        """For each row of the block, whether it is not removed."""
         count = len(self.block)
-        return np.ones(count, np.bool_) if self.kept is None else self.kept.chosen(count)
+        return np.ones(count, np.bool_) if self.mask is None else self.mask.chosen(count)
 
     @property
-    def rows(self) -> Rows:
-        """The rows that are there."""
-        return self.block.rows if self.kept is None else self.block.rows[self.there]
+    def rows(self) -> IndexRows:
+        """The rows that are not removed."""
+        return self.block.rows if self.mask is None else self.block.rows[self.present]
 
-    def without(self, owners: NDArray[np.int64]) -> Part:
-        """What is left when the rows of these owners go."""
+    def without(self, owners: NDArray[np.int64]) -> MaskedBlock:
+        """The block without the rows of these owners."""
         rows = self.block.rows_of(owners)
         if not len(rows):
             return self
-        kept = self.kept or Mask.of(np.ones(len(self.block), np.bool_))
-        return Part(self.block, kept.without(rows))
+        mask = self.mask or Mask.of(np.ones(len(self.block), np.bool_))
+        return MaskedBlock(self.block, mask.without(rows))
 
-    def search(self, queries: NDArray[np.float32], k: int, allowed: NDArray[np.int64] | None) -> Found:
+    def search(self, queries: NDArray[np.float32], k: int, allowed: NDArray[np.int64] | None) -> SearchResult:
         """The k best rows of the allowed owners, None for all."""
-        mask = self.kept
+        mask = self.mask
         if allowed is not None:
             among = Mask.of(_among(self.block.owners, allowed))
             mask = among if mask is None else among & mask

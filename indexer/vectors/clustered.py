@@ -1,7 +1,7 @@
-"""Many rows, found fast: only the clusters nearest to a query are looked at (an inverted file, IVF).
+"""Approximate search among many rows: only the clusters nearest to a query are probed (an inverted file, IVF).
 
 Exact search reads every vector, which at a million rows takes as long as memory takes to deliver half a gigabyte. Here
-a row is missed where its cluster is not among those looked at. Of the ten best of 100,000 clips nearly all are found,
+a row is missed where its cluster is not among those probed. Of the ten best of 100,000 clips nearly all are found,
 of the 160 best of their 2.4 million windows 98 in 100 and more: `benchmarks/serve.py` prints how many.
 Vectors without any clusters, random ones or those of an untrained model, are what it cannot do.
 """
@@ -13,9 +13,9 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from indexer.vectors.blocks import Block, Found, Mask, Rows
+from indexer.vectors.blocks import Block, IndexRows, Mask, SearchResult
 
-#: Clusters looked at for a query. Filters that leave few rows make it more, so that as many rows are compared.
+#: Clusters probed for a query; more where a filter leaves few rows, so that as many rows are compared.
 PROBES = 32
 
 #: Rounds of k-means, and rows a cluster that take part. With half of both, 2 in 100 of the best of 2.8 million are
@@ -28,7 +28,7 @@ class ClusteredBlock(Block):
     """Rows in clusters; answers as `Block` does, but for the rows it misses."""
 
     @classmethod
-    def of(cls, rows: Rows) -> ClusteredBlock:
+    def of(cls, rows: IndexRows) -> ClusteredBlock:
         """Find clusters, about as many as the square root of the rows, and sort the rows into them."""
         import faiss
 
@@ -47,7 +47,7 @@ class ClusteredBlock(Block):
         return cls(rows.owners, rows.spans, index)
 
     @property
-    def rows(self) -> Rows:
+    def rows(self) -> IndexRows:
         """The rows in their order; the vectors are a copy."""
         import faiss
 
@@ -59,9 +59,9 @@ class ClusteredBlock(Block):
                 places = faiss.rev_swig_ptr(lists.get_ids(cluster), count)
                 codes = faiss.rev_swig_ptr(lists.get_codes(cluster), count * size * 2)
                 vectors[places] = codes.view(np.float16).reshape(count, size)
-        return Rows(self.owners, self.spans, vectors)
+        return IndexRows(self.owners, self.spans, vectors)
 
-    def search(self, queries: NDArray[np.float32], k: int, mask: Mask | None) -> Found:
+    def search(self, queries: NDArray[np.float32], k: int, mask: Mask | None) -> SearchResult:
         """See `Block.search`."""
         import faiss
 

@@ -1,4 +1,4 @@
-"""Vector indexes on disk: derived from the library, written whole or not at all, never trusted.
+"""Vector indexes on disk: derived from the library, written whole or not at all, verified when read.
 
 Each lies in a folder of its own, `<name>.<generation>.<random>`, whose manifest names the library and model it was
 made from and the digest of each part.
@@ -16,16 +16,16 @@ from pathlib import Path
 
 import numpy as np
 
-from indexer.vectors.flat import FlatVectors, block_around
+from indexer.vectors.faiss_index import FaissIndex, block_from_index
 
 _FORMAT = 1
 _INDEX, _OWNERS, _SPANS, _MANIFEST = "index.faiss", "owners.npy", "spans.npy", "manifest.json"
-#: Seconds after which a half-written index is nobody's any more.
+#: Seconds after which a half-written index is taken for abandoned.
 _ABANDONED = 3600.0
 _PARTS = (_INDEX, _OWNERS, _SPANS)
 
 
-def save(vectors: FlatVectors, folder: Path, name: str, model: str) -> FlatVectors:
+def save(vectors: FaissIndex, folder: Path, name: str, model: str) -> FaissIndex:
     """Write the index as `<folder>/<name>.<generation>.<random>/`: whole or not at all. Older ones go.
 
     The index that is returned is that of the files, so that the one that was written need not stay in memory.
@@ -62,8 +62,8 @@ def save(vectors: FlatVectors, folder: Path, name: str, model: str) -> FlatVecto
     return _mapped(made, vectors.generation)
 
 
-def load(folder: Path, name: str, model: str, size: int) -> FlatVectors | None:
-    """The newest sound index of this model on disk, its vectors mapped and not read; None where there is none."""
+def load(folder: Path, name: str, model: str, size: int) -> FaissIndex | None:
+    """The newest intact index of this model on disk, memory-mapped; None where there is none."""
     for path in _files(folder, name):
         try:
             return _load(path, model, size)
@@ -72,10 +72,10 @@ def load(folder: Path, name: str, model: str, size: int) -> FlatVectors | None:
     return None
 
 
-def _load(path: Path, model: str, size: int) -> FlatVectors:
+def _load(path: Path, model: str, size: int) -> FaissIndex:
     manifest = json.loads((path / _MANIFEST).read_text())
     if manifest["format"] != _FORMAT or manifest["model"] != model:
-        raise ValueError("of another model or version")
+        raise ValueError("made from another model or in another version")
     for part, digest in manifest["digest"].items():
         if part not in _PARTS or _digest(path / part) != digest:
             raise ValueError(f"{part} is damaged")
@@ -85,7 +85,7 @@ def _load(path: Path, model: str, size: int) -> FlatVectors:
     return vectors
 
 
-def _mapped(path: Path, generation: int) -> FlatVectors:
+def _mapped(path: Path, generation: int) -> FaissIndex:
     import faiss
 
     index = faiss.read_index(str(path / _INDEX), faiss.IO_FLAG_MMAP_IFC)
@@ -93,7 +93,7 @@ def _mapped(path: Path, generation: int) -> FlatVectors:
     spans = np.load(path / _SPANS, mmap_mode="r", allow_pickle=False)
     if len(owners) != index.ntotal or spans.shape != (index.ntotal, 2):
         raise ValueError("parts do not fit together")
-    return FlatVectors(generation, block_around(owners, spans, index))
+    return FaissIndex(generation, block_from_index(owners, spans, index))
 
 
 def _files(folder: Path, name: str) -> list[Path]:

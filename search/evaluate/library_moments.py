@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from encoders.corpus.composition.long_takes import AnnotatedTake, Annotation
 from encoders.protocol import Encoder
-from indexer.vectors.flat import FlatVectors, Found, Rows
+from indexer.vectors.blocks import IndexRows, SearchResult
+from indexer.vectors.faiss_index import FaissIndex
 from search.evaluate.moment_metrics import Overlaps, Spans, best_overlaps
 from search.moments.across_library import best_moments
 from search.query.question import EncodedQuestion
@@ -26,7 +27,7 @@ class TakeGallery:
         self._takes: list[AnnotatedTake] = []
         self._sources: list[MotionSource] = []
         self._queries: list[tuple[int, Annotation, Vectors]] = []
-        self._index: FlatVectors | None = None
+        self._index: FaissIndex | None = None
 
     def __len__(self) -> int:
         return len(self._takes)
@@ -40,17 +41,17 @@ class TakeGallery:
         self._sources.append(source)
         self._index = None
 
-    def nearest_windows(self, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None) -> Found:
+    def nearest_windows(self, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None) -> SearchResult:
         """See `indexer.store.stored_library.StoredLibrary.nearest_windows`."""
         if self._index is None:
-            self._index = FlatVectors.of(0, Rows.join(list(self._rows())))
+            self._index = FaissIndex.of(0, IndexRows.join(list(self._rows())))
         return self._index.search(queries, k, allowed=allowed)
 
-    def _rows(self) -> Iterator[Rows]:
+    def _rows(self) -> Iterator[IndexRows]:
         for number, source in enumerate(self._sources):
             for windows in source.windows(self._encoder):
                 spans = np.stack([windows.starts, windows.ends], axis=1)
-                yield Rows(np.full(len(spans), number, np.int64), spans, windows.vectors)
+                yield IndexRows(np.full(len(spans), number, np.int64), spans, windows.vectors)
 
     def search(self, k: int) -> tuple[Overlaps, Overlaps]:
         """The first k moments for every sentence.

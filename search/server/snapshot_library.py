@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from encoders.errors import MotionSeekError
 from encoders.protocol import Encoder
 from indexer.store.clips import Caption, Clip
-from indexer.vectors.flat import FlatVectors
-from indexer.vectors.sync import CLIPS, WINDOWS
+from indexer.vectors.faiss_index import FaissIndex
+from indexer.vectors.library_indexes import CLIPS, WINDOWS
 from search.hits import Hits
 from search.library import Library
 from search.query.encoding import encode_queries
@@ -43,8 +43,8 @@ class Snapshot:
     """The indexes of one generation, the number of clips, the highest clip id, and the captions' generation."""
 
     generation: int
-    clips: FlatVectors
-    windows: FlatVectors
+    clips: FaissIndex
+    windows: FaissIndex
     count: int
     newest: int
     captions: int
@@ -137,7 +137,7 @@ class SnapshotLibrary(Library):
         if any(id <= before.newest for (id,) in connection.execute(_CHANGED, (before.generation,))):
             self.answer_cache.clear(generation)  # a clip that was removed or changed may have displaced another one
             return
-        added = [self._galleries.since(kind, connection, before.generation).vectors for kind in (CLIPS, WINDOWS)]
+        added = [self.indexes.since(kind, connection, before.generation).vectors for kind in (CLIPS, WINDOWS)]
         self.answer_cache.grow(generation, np.concatenate(added).astype(np.float32))
 
     def stale_criterion(self, request: SearchRequest, hits: Hits) -> StaleCriterion:
@@ -146,7 +146,7 @@ class SnapshotLibrary(Library):
         return StaleCriterion(request.question.vectors[0], threshold)
 
     def _take_snapshot(self) -> Snapshot:
-        clips, windows = (self._galleries.current(kind, self.connection, often=True) for kind in (CLIPS, WINDOWS))
+        clips, windows = (self.indexes.current(kind, self.connection, serving=True) for kind in (CLIPS, WINDOWS))
         generation = min(clips.generation, windows.generation)
         (newest,) = self.connection.execute(_NEWEST, (generation,)).fetchone()
         return Snapshot(generation, clips, windows, len(clips), newest, self.captions_generation)

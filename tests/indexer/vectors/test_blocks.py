@@ -5,10 +5,10 @@ import threading
 import numpy as np
 import pytest
 
-from indexer.vectors import flat
-from indexer.vectors.blocks import Block, Mask, Part
+from indexer.vectors import faiss_index
+from indexer.vectors.blocks import Block, IndexRows, Mask, MaskedBlock
 from indexer.vectors.clustered import ClusteredBlock
-from indexer.vectors.flat import FlatVectors, Rows
+from indexer.vectors.faiss_index import FaissIndex
 
 SIZE, BATCH = 32, 250
 FIRST, LATER = 20_000, 40
@@ -24,13 +24,13 @@ def some_rows(count, first_owner, seed):
     latents = kinds()[rng.integers(0, 60, count)] + 0.5 * rng.standard_normal((count, SIZE))
     latents /= np.linalg.norm(latents, axis=1, keepdims=True)
     spans = np.tile(np.arange(count, dtype=np.float32)[:, None], (1, 2))
-    return Rows(first_owner + np.arange(count) // 10, spans, latents.astype(np.float16))
+    return IndexRows(first_owner + np.arange(count) // 10, spans, latents.astype(np.float16))
 
 
 @pytest.fixture
 def small_limits(monkeypatch):
-    monkeypatch.setattr(flat, "CLUSTERED_FROM", FIRST)
-    monkeypatch.setattr(flat, "LATER_CLUSTERED_FROM", 4 * BATCH)
+    monkeypatch.setattr(faiss_index, "CLUSTERED_FROM", FIRST)
+    monkeypatch.setattr(faiss_index, "ADDED_CLUSTERED_FROM", 4 * BATCH)
 
 
 @pytest.fixture
@@ -51,12 +51,12 @@ def touched(monkeypatch):
     return counts
 
 
-def grown(index, batches=LATER, *, loose=10.0):
+def grown(index, batches=LATER, *, compact_at=10.0):
     """The index after so many updates, and all they added."""
     added = [some_rows(BATCH, 10_000 + 100 * i, seed=i + 1) for i in range(batches)]
     for i, rows in enumerate(added):
-        index = index.update(i + 2, remove=np.unique(rows.owners), add=rows, loose=loose).settled()
-    return index, Rows.join(added)
+        index = index.update(i + 2, remove=np.unique(rows.owners), add=rows, compact_at=compact_at).for_serving()
+    return index, IndexRows.join(added)
 
 
 def asked(count=40):
@@ -66,7 +66,7 @@ def asked(count=40):
 
 
 def exactly(rows, queries, k=20):
-    return FlatVectors(0, Block.of(rows)).search(queries, k)
+    return FaissIndex(0, Block.of(rows)).search(queries, k)
 
 
 def share_found(got, want):
@@ -74,7 +74,7 @@ def share_found(got, want):
 
 
 def test_a_row_is_touched_a_few_times_however_many_updates_there_are(small_limits, touched):
-    index = FlatVectors.of(1, some_rows(FIRST, 1, seed=0))
+    index = FaissIndex.of(1, some_rows(FIRST, 1, seed=0))
     touched.clear()
     grown(index)
     assert max(touched) <= LATER * BATCH  # never the library
@@ -82,25 +82,26 @@ def test_a_row_is_touched_a_few_times_however_many_updates_there_are(small_limit
 
 
 def test_few_parts_are_searched_and_all_that_are_large_are_in_clusters(small_limits):
-    index, _ = grown(FlatVectors.of(1, some_rows(FIRST, 1, seed=0)))
-    assert len(index._later) <= np.log2(LATER)
-    assert all(isinstance(part.block, ClusteredBlock) for part in index._later if len(part) >= 4 * BATCH)
+    index, _ = grown(FaissIndex.of(1, some_rows(FIRST, 1, seed=0)))
+    added = index.blocks[1:]
+    assert len(added) <= np.log2(LATER)
+    assert all(isinstance(block, ClusteredBlock) for block in added if len(block) >= 4 * BATCH)
 
 
 def test_a_small_index_stays_exact_as_it_grows():
     first = some_rows(2000, 1, seed=0)
-    index, added = grown(FlatVectors.of(1, first))
-    assert index._later
-    for got, want in zip(index.search(asked(), 20), exactly(Rows.join([first, added]), asked()), strict=True):
+    index, added = grown(FaissIndex.of(1, first))
+    assert len(index.blocks) > 1
+    for got, want in zip(index.search(asked(), 20), exactly(IndexRows.join([first, added]), asked()), strict=True):
         np.testing.assert_array_equal(got, want)
 
 
 def test_what_was_added_to_clusters_is_found_as_what_was_there_before(small_limits):
     first = some_rows(FIRST, 1, seed=0)
-    index, added = grown(FlatVectors.of(1, first))
+    index, added = grown(FaissIndex.of(1, first))
     assert len(index) == FIRST + LATER * BATCH
-    found = share_found(index.search(asked(), 20)[1], exactly(Rows.join([first, added]), asked())[1])
-    before = share_found(FlatVectors.of(1, first).search(asked(), 20)[1], exactly(first, asked())[1])
+    found = share_found(index.search(asked(), 20)[1], exactly(IndexRows.join([first, added]), asked())[1])
+    before = share_found(FaissIndex.of(1, first).search(asked(), 20)[1], exactly(first, asked())[1])
     assert found >= before - 0.01 > 0.9
     own = added.vectors[::100].astype(np.float32)
     np.testing.assert_array_equal(index.search(own, 1)[1][:, 0], added.owners[::100])
@@ -108,10 +109,12 @@ def test_what_was_added_to_clusters_is_found_as_what_was_there_before(small_limi
 
 def test_what_came_is_exact_until_many_searches_are_to_come(small_limits):
     new = some_rows(8 * BATCH, 50_000, seed=3)
-    index = FlatVectors.of(1, some_rows(FIRST, 1, seed=0)).update(2, remove=np.empty(0, np.int64), add=new, loose=1.0)
-    assert [type(part.block) for part in index._later] == [Block]
-    assert [type(part.block) for part in index.settled()._later] == [ClusteredBlock]
-    assert index.settled().settled()._later[0].block.index.ntotal == len(new)
+    index = FaissIndex.of(1, some_rows(FIRST, 1, seed=0)).update(
+        2, remove=np.empty(0, np.int64), add=new, compact_at=1.0
+    )
+    assert [type(block) for block in index.blocks[1:]] == [Block]
+    assert [type(block) for block in index.for_serving().blocks[1:]] == [ClusteredBlock]
+    assert len(index.for_serving().for_serving().blocks[1]) == len(new)
 
 
 @pytest.mark.parametrize("limits", ["exact", "clusters"])
@@ -119,10 +122,10 @@ def test_what_is_removed_is_gone_wherever_it_lay(limits, request):
     if limits == "clusters":
         request.getfixturevalue("small_limits")
     first = some_rows(FIRST, 1, seed=0)
-    index, added = grown(FlatVectors.of(1, first))
+    index, added = grown(FaissIndex.of(1, first))
     remove = np.array([3, 1500, 10_000, 10_907, 13_907, 77_777])
-    changed = index.update(100, remove=remove, add=Rows.none(SIZE))
-    everything = Rows.join([first, added])
+    changed = index.update(100, remove=remove, add=IndexRows.none(SIZE))
+    everything = IndexRows.join([first, added])
     left = everything[~np.isin(everything.owners, remove)]
     assert len(changed) == len(left)
     assert sorted(changed.rows.owners) == sorted(left.owners)
@@ -136,10 +139,10 @@ def test_what_is_removed_is_gone_wherever_it_lay(limits, request):
 
 def test_a_grown_index_becomes_one_block_with_the_same_rows(small_limits):
     first = some_rows(FIRST, 1, seed=0)
-    index, added = grown(FlatVectors.of(1, first))
-    left = (everything := Rows.join([first, added]))[~np.isin(everything.owners, [5, 10_100])]
-    whole = index.update(50, remove=np.array([5, 10_100]), add=Rows.none(SIZE)).compacted()
-    assert not whole._later
+    index, added = grown(FaissIndex.of(1, first))
+    left = (everything := IndexRows.join([first, added]))[~np.isin(everything.owners, [5, 10_100])]
+    whole = index.update(50, remove=np.array([5, 10_100]), add=IndexRows.none(SIZE)).compacted()
+    assert whole.blocks == [whole.main]
     np.testing.assert_array_equal(whole.rows.owners, left.owners)
     np.testing.assert_array_equal(whole.rows.spans, left.spans)
     np.testing.assert_array_equal(whole.rows.vectors, left.vectors)
@@ -147,7 +150,7 @@ def test_a_grown_index_becomes_one_block_with_the_same_rows(small_limits):
 
 def test_readers_of_an_older_index_never_meet_a_change(small_limits):
     first = some_rows(FIRST, 1, seed=0)
-    index, _ = grown(FlatVectors.of(1, first), 6)
+    index, _ = grown(FaissIndex.of(1, first), 6)
     before, wrong, done = index.search(asked(), 20), [], threading.Event()
 
     def read():
@@ -178,11 +181,11 @@ def test_the_rows_of_owners_are_found(order):
     if order == "shuffled":
         owners = np.random.default_rng(0).permutation(owners)
     held = some_rows(150, 0, seed=1)
-    block = Block.of(Rows(owners, held.spans, held.vectors))
+    block = Block.of(IndexRows(owners, held.spans, held.vectors))
     for wanted in ([7], [3, 49, 3, 1000], [-1], [], range(50)):
         got = np.sort(block.rows_of(np.array(wanted, np.int64)))
         np.testing.assert_array_equal(got, np.flatnonzero(np.isin(owners, list(wanted))))
-    assert len(Part(block).without(np.array([4, 5]))) == 144
+    assert len(MaskedBlock(block).without(np.array([4, 5]))) == 144
 
 
 def test_who_searches_often_has_the_main_block_searched_once(monkeypatch):
@@ -190,12 +193,12 @@ def test_who_searches_often_has_the_main_block_searched_once(monkeypatch):
     searched = []
     search = Block.search
     monkeypatch.setattr(Block, "search", lambda block, *given: searched.append(len(block)) or search(block, *given))
-    plain = FlatVectors.of(1, some_rows(5000, 0, seed=0))
-    often, query = plain.settled(), some_rows(1, 0, seed=9).vectors.astype(np.float32)
+    plain = FaissIndex.of(1, some_rows(5000, 0, seed=0))
+    often, query = plain.for_serving(), some_rows(1, 0, seed=9).vectors.astype(np.float32)
     first, again = (often.search(query, 10) for _ in range(2))
     assert searched == [5000]
     added, gone = some_rows(BATCH, 10_000, seed=1), np.unique(first[1])
-    grown, shrunk = (often.update(2, remove=gone[:n], add=added).settled() for n in (0, len(gone)))
+    grown, shrunk = (often.update(2, remove=gone[:n], add=added).for_serving() for n in (0, len(gone)))
     assert searched == [5000]
     for index, removed in ((grown, gone[:0]), (shrunk, gone)):
         exact = plain.update(2, remove=removed, add=added)

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from indexer.vectors import flat, index_files
+from indexer.vectors import faiss_index, index_files
+from indexer.vectors.blocks import IndexRows
 from indexer.vectors.clustered import ClusteredBlock
-from indexer.vectors.flat import FlatVectors, Rows
+from indexer.vectors.faiss_index import FaissIndex
 
 SIZE, EACH = 32, 10
 
@@ -20,19 +21,19 @@ def rows():
     latents = own[owners - 1] + 0.3 * rng.standard_normal((len(owners), SIZE))
     latents /= np.linalg.norm(latents, axis=1, keepdims=True)
     starts = np.tile(np.arange(EACH, dtype=np.float32), 4000)
-    return Rows(owners, np.stack([starts, starts + 1], axis=1), latents.astype(np.float16))
+    return IndexRows(owners, np.stack([starts, starts + 1], axis=1), latents.astype(np.float16))
 
 
 @pytest.fixture(scope="module")
 def clustered(rows):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(flat, "CLUSTERED_FROM", 30_000)
-        return FlatVectors.of(1, rows)
+        patch.setattr(faiss_index, "CLUSTERED_FROM", 30_000)
+        return FaissIndex.of(1, rows)
 
 
 @pytest.fixture(scope="module")
 def exact(rows):
-    return FlatVectors.of(1, rows)
+    return FaissIndex.of(1, rows)
 
 
 def queries(count=50):
@@ -72,7 +73,7 @@ def test_the_rows_come_back_in_order(clustered, rows):
 
 
 def test_changes_are_seen(clustered, rows):
-    new = Rows(np.array([9999]), np.array([[0, 1]], np.float32), queries(1).astype(np.float16))
+    new = IndexRows(np.array([9999]), np.array([[0, 1]], np.float32), queries(1).astype(np.float16))
     changed = clustered.update(2, remove=np.array([5]), add=new)
     assert changed.search(queries(1), 1)[1].tolist() == [[9999]]
     of_the_gone = rows.vectors[rows.owners == 5][:1].astype(np.float32)

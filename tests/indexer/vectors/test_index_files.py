@@ -6,13 +6,13 @@ import shutil
 import numpy as np
 import pytest
 
-from indexer.vectors.flat import FlatVectors
+from indexer.vectors.faiss_index import FaissIndex
 from indexer.vectors.index_files import load, save
-from tests.indexer.vectors.test_flat import SIZE, plainly, queries, rows
+from tests.indexer.vectors.test_faiss_index import SIZE, plainly, queries, rows
 
 
 def test_a_file_gives_the_index_back(tmp_path):
-    index = FlatVectors.of(7, rows(np.arange(1, 50))).update(8, remove=np.array([4]), add=rows([99, 4], seed=5))
+    index = FaissIndex.of(7, rows(np.arange(1, 50))).update(8, remove=np.array([4]), add=rows([99, 4], seed=5))
     save(index, tmp_path, "clips", "model")
     found = load(tmp_path, "clips", "model", SIZE)
     assert found.generation == 8
@@ -22,7 +22,7 @@ def test_a_file_gives_the_index_back(tmp_path):
 
 
 def test_an_index_read_from_a_file_can_be_updated_and_saved_over(tmp_path):
-    save(FlatVectors.of(1, rows(np.arange(100))), tmp_path, "clips", "model")
+    save(FaissIndex.of(1, rows(np.arange(100))), tmp_path, "clips", "model")
     index = load(tmp_path, "clips", "model", SIZE)
     changed = index.update(2, remove=np.arange(60), add=rows([500]))
     save(changed, tmp_path, "clips", "model")
@@ -33,7 +33,7 @@ def test_an_index_read_from_a_file_can_be_updated_and_saved_over(tmp_path):
 
 @pytest.mark.parametrize("other", [("clips", "another model", SIZE), ("windows", "model", SIZE), ("clips", "model", 8)])
 def test_a_file_of_another_model_name_or_size_is_not_used(tmp_path, other):
-    save(FlatVectors.of(1, rows([1])), tmp_path, "clips", "model")
+    save(FaissIndex.of(1, rows([1])), tmp_path, "clips", "model")
     assert load(tmp_path, *other) is None
 
 
@@ -55,7 +55,7 @@ DAMAGES = {
 @pytest.mark.parametrize("part", ["index.faiss", "owners.npy", "spans.npy", "manifest.json"])
 @pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES.keys())
 def test_a_damaged_file_is_not_used(tmp_path, part, damage):
-    save(FlatVectors.of(1, rows(np.arange(300))), tmp_path, "clips", "model")
+    save(FaissIndex.of(1, rows(np.arange(300))), tmp_path, "clips", "model")
     (folder,) = tmp_path.iterdir()
     damage(folder / part)
     found = load(tmp_path, "clips", "model", SIZE)
@@ -65,7 +65,7 @@ def test_a_damaged_file_is_not_used(tmp_path, part, damage):
 
 
 def test_what_a_crash_leaves_half_written_is_passed_over(tmp_path):
-    save(FlatVectors.of(3, rows([1, 2])), tmp_path, "clips", "model")
+    save(FaissIndex.of(3, rows([1, 2])), tmp_path, "clips", "model")
     (sound,) = tmp_path.iterdir()
     shutil.copytree(sound, tmp_path / ".clips.abcd")
     shutil.copytree(sound, tmp_path / "clips.4.abcd")
@@ -76,10 +76,10 @@ def test_what_a_crash_leaves_half_written_is_passed_over(tmp_path):
 
 
 def test_saving_clears_what_others_left_behind(tmp_path):
-    save(FlatVectors.of(50, rows([1])), tmp_path, "clips", "a library that lay here before")
+    save(FaissIndex.of(50, rows([1])), tmp_path, "clips", "a library that lay here before")
     (tmp_path / ".clips.dead").mkdir()
     os.utime(tmp_path / ".clips.dead", (1, 1))
     (tmp_path / ".clips.alive").mkdir()
-    save(FlatVectors.of(3, rows([1])), tmp_path, "clips", "model")
+    save(FaissIndex.of(3, rows([1])), tmp_path, "clips", "model")
     assert load(tmp_path, "clips", "model", SIZE).generation == 3
     assert {path.name for path in tmp_path.iterdir() if not path.name.startswith("clips.3.")} == {".clips.alive"}
