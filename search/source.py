@@ -98,20 +98,20 @@ class MotionSource:
         """Its captions in the library; none where no library holds it."""
         return () if self.library is None else self.library.captions(self.clip_id)
 
-    def features(self, bundle: Encoder) -> NDArray[np.float32]:
+    def features(self, encoder: Encoder) -> NDArray[np.float32]:
         """The features (T', F) of the whole motion that a model reads."""
-        if bundle.fingerprint not in self._features:
-            self._features[bundle.fingerprint] = bundle.features(self.motion)
-        return self._features[bundle.fingerprint]
+        if encoder.fingerprint not in self._features:
+            self._features[encoder.fingerprint] = encoder.features(self.motion)
+        return self._features[encoder.fingerprint]
 
-    def windows(self, bundle: Encoder) -> Sequence[Windows]:
+    def windows(self, encoder: Encoder) -> Sequence[Windows]:
         """Its encoded windows: those of the library, else those that a library would hold, shortest first."""
-        if bundle.fingerprint not in self._windows:
+        if encoder.fingerprint not in self._windows:
             stored = () if self.library is None else self.library.windows(self.clip_id)
-            self._windows[bundle.fingerprint] = (
-                stored or encode_grids(bundle, [self.features(bundle)], [self.duration])[0]
+            self._windows[encoder.fingerprint] = (
+                stored or encode_grids(encoder, [self.features(encoder)], [self.duration])[0]
             )
-        return self._windows[bundle.fingerprint]
+        return self._windows[encoder.fingerprint]
 
     def cut(self, start: float | None = None, end: float | None = None) -> Motion:
         """The motion from `start` to `end`, in seconds.

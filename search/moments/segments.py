@@ -36,7 +36,7 @@ class Segment:
     score: float
 
 
-def segment_motion(bundle: Encoder, motion: Motion, labels: Sequence[str] | None = None) -> list[Segment]:
+def segment_motion(encoder: Encoder, motion: Motion, labels: Sequence[str] | None = None) -> list[Segment]:
     """Divide a motion among labels so that the segments cover it all, in order, without overlap.
 
     The similarity of each label over time, less what unrelated motion scores for it, goes through Viterbi's algorithm
@@ -55,16 +55,16 @@ def segment_motion(bundle: Encoder, motion: Motion, labels: Sequence[str] | None
     labels = vocabulary() if labels is None else checked_sentences("labels", labels)
     if not labels:
         raise ArgumentError("there are no labels to choose from")
-    queries = encode_queries(bundle, labels)
-    similarity = frame_curve(bundle, bundle.features(motion), queries)
-    excess = similarity - _unrelated(bundle, queries, similarity)[:, None] - _MARGIN
-    path = best_path(np.vstack([np.zeros(excess.shape[1]), excess]), _SWITCH * bundle.fps)
+    queries = encode_queries(encoder, labels)
+    similarity = frame_curve(encoder, encoder.features(motion), queries)
+    excess = similarity - _unrelated(encoder, queries, similarity)[:, None] - _MARGIN
+    path = best_path(np.vstack([np.zeros(excess.shape[1]), excess]), _SWITCH * encoder.fps)
     starts = np.flatnonzero(np.diff(path, prepend=-1))
     ends = np.append(starts[1:], len(path))
     return [
         Segment(
-            float(a / bundle.fps),
-            float(b / bundle.fps) if b < len(path) else motion.duration,
+            float(a / encoder.fps),
+            float(b / encoder.fps) if b < len(path) else motion.duration,
             labels[path[a] - 1] if path[a] else UNKNOWN,
             float(similarity[path[a] - 1, a:b].mean()) if path[a] else 0.0,
         )
@@ -99,8 +99,8 @@ def best_path(gains: NDArray[np.floating], switch: float) -> NDArray[np.int64]:
     return path
 
 
-def _unrelated(bundle: Encoder, queries: Vectors, similarity: Vectors) -> NDArray[np.floating]:
+def _unrelated(encoder: Encoder, queries: Vectors, similarity: Vectors) -> NDArray[np.floating]:
     """What unrelated motion scores for each label (L,): the model's background, else the take's own median."""
-    if bundle.calibration is None:
+    if encoder.calibration is None:
         return np.asarray(np.median(similarity, axis=1))
-    return np.asarray(np.percentile(queries @ bundle.calibration["motions"].T, _BACKGROUND_PERCENTILE, axis=1))
+    return np.asarray(np.percentile(queries @ encoder.calibration["motions"].T, _BACKGROUND_PERCENTILE, axis=1))

@@ -11,7 +11,7 @@ from encoders.protocol import Encoder
 from search.query.paraphrases import paraphrases
 
 
-def encode_queries(bundle: Encoder, sentences: Sequence[str]) -> NDArray[np.float32]:
+def encode_queries(encoder: Encoder, sentences: Sequence[str]) -> NDArray[np.float32]:
     """Unit query vectors.
 
     Averaged over paraphrases, a vector depends less on the wording of the sentence.
@@ -26,7 +26,7 @@ def encode_queries(bundle: Encoder, sentences: Sequence[str]) -> NDArray[np.floa
     float32 array (Q, D)
     """
     groups = [paraphrases(sentence) for sentence in sentences]
-    vectors = bundle.encode_texts([text for group in groups for text in group])
+    vectors = encoder.encode_texts([text for group in groups for text in group])
     starts = np.cumsum([0] + [len(group) for group in groups[:-1]])
     means = np.add.reduceat(vectors, starts, axis=0)
     return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True), dtype=np.float32)

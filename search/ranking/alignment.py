@@ -24,12 +24,12 @@ _UNRELATED = 1.5  # mean squared difference, in variances, of clips that share n
 _WEIGHT = 0.2
 
 
-def alignment_bonus(bundle: Encoder, motion: Motion, others: Sequence[Motion]) -> NDArray[np.float64]:
+def alignment_bonus(encoder: Encoder, motion: Motion, others: Sequence[Motion]) -> NDArray[np.float64]:
     """What alignment in time adds to the cosine of each other motion (N,): 0 to 0.3.
 
     Motions are compared at 32 evenly spaced instants; features are weighted by their spread over all given motions.
     """
-    tracks = np.stack([_track(bundle.features(m)) for m in (motion, *others)])
+    tracks = np.stack([_track(encoder.features(m)) for m in (motion, *others)])
     spread = np.maximum(tracks.std(axis=(0, 1)), 0.02)
     apart = np.mean(((tracks[1:] - tracks[0]) / spread) ** 2, axis=(1, 2))
     ratio = np.array([max(m.duration, motion.duration) / min(m.duration, motion.duration) for m in others])

@@ -2,7 +2,7 @@
 
 In a space of many dimensions a few sentences, the hubs, are neighbours of nearly everything and would describe every
 motion. As in cross-domain similarity local scaling (CSLS; Conneau et al., ICLR 2018), a share of a sentence's mean
-similarity to the motions nearest to it is subtracted; the bundle's unrelated motions stand for all motions. The ranking
+similarity to the motions nearest to it is subtracted; the bundle's unrelated motions stand for all. The ranking
 of motions for one sentence does not change.
 """
 
@@ -17,12 +17,12 @@ from encoders.protocol import Encoder
 _NEAREST, _SHARE = 30, 0.35
 
 
-def hubness_penalty(bundle: Encoder, sentences: ArrayLike) -> NDArray[np.float32]:
+def hubness_penalty(encoder: Encoder, sentences: ArrayLike) -> NDArray[np.float32]:
     """What to subtract from the scores of sentences (N, D): (N,), zero where there are no unrelated motions."""
     vectors = np.asarray(sentences, np.float32)
-    if bundle.calibration is None:
+    if encoder.calibration is None:
         return np.zeros(len(vectors), np.float32)
-    scores = vectors @ np.asarray(bundle.calibration["motions"], np.float32).T
+    scores = vectors @ np.asarray(encoder.calibration["motions"], np.float32).T
     count = min(_NEAREST, scores.shape[1])
     nearest: NDArray[np.float32] = np.partition(scores, -count, axis=1)[:, -count:].mean(axis=1)
     return _SHARE * nearest
