@@ -19,7 +19,7 @@ ROOMS = {
     "encoders": ("errors skeleton geometry english drawing motion features protocol bundle metrics corpus tmr".split()),
     "indexer": "take formats rigs vectors store ingest datasets".split(),
     "search": (
-        "spans hits source references query ranking moments export drawing library standalone "
+        "spans hits source references query ranking moments documents export drawing library standalone "
         "map evaluate release server cli".split()
     ),
 }

@@ -1,4 +1,4 @@
-"""What people and programs see: tables in a terminal, TAB-separated lines in a pipe, JSON when asked."""
+"""Output: tables in a terminal, tab-separated lines in a pipe, JSON on request."""
 
 from __future__ import annotations
 
@@ -9,28 +9,25 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
     from rich.console import Console
     from rich.text import Text
 
+    from search.documents import Curve
     from search.hits import Hits
     from search.library import Library
     from search.query.question import Question
 
-    Curve = tuple[NDArray[np.float64], NDArray[np.float32]]
-
 _HIT_COLUMNS = ("", "score", "strength", "start", "end", "clip", "caption")
 _COLOURS = {"strong": "green", "plausible": "yellow", "weak": "dim"}
-#: What would move the cursor, or break a line of a pipe.
+#: Control characters, which would move the cursor or break a line.
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
-#: Columns between two cells of a table; those in which a text reads well, and in which it can still be read.
+#: Characters between two columns; the preferred and the minimum width of a column of text.
 _GAP, _READABLE, _TIGHT = 3, 24, 10
 _BLOCKS = "▁▂▃▄▅▆▇█"
 
 
 def is_terminal() -> bool:
-    """Whether a person is likely to read stdout."""
+    """Whether stdout is a terminal."""
     return sys.stdout.isatty()
 
 
@@ -42,14 +39,14 @@ def document(content: Any) -> None:
 def table(
     columns: Sequence[str], rows: Iterable[Sequence[str]], *, right: Sequence[str] = (), below: Sequence[str] = ()
 ) -> None:
-    """Print rows as an aligned table without its empty columns, or as lines with TABs between all cells when piped.
+    """Print rows as an aligned table without empty columns, or when piped as tab-separated lines of all cells.
 
     Parameters
     ----------
     right : sequence of str
-        The columns that hold numbers.
+        Columns that are right-aligned, as numbers are.
     below : sequence of str
-        The columns that stand on lines of their own where a terminal is too narrow for all.
+        Columns that go on lines of their own where the terminal is too narrow.
     """
     rows = [[_CONTROL.sub(" ", cell) for cell in row] for row in rows]
     if not is_terminal():
@@ -107,25 +104,25 @@ def _styled(cell: str) -> Text:
 
 
 def hits(found: Hits, query: str, *, as_json: bool) -> None:
-    """Print the answers to a query."""
+    """Print the hits of a query."""
     if as_json:
-        document({"query": query, "hits": [hit.document() for hit in found]})
+        document({"query": query, "hits": found.to_dicts()})
         return
     rows = [
         (str(h.rank), f"{h.score:.3f}", h.strength, f"{h.start:.1f}", f"{h.end:.1f}", h.path, h.caption) for h in found
     ]
     table(_HIT_COLUMNS, rows, right=("", "score", "start", "end"), below=("clip", "caption"))
     if found.nothing_matches:
-        note("nothing here matches; these are the nearest")
+        note("no good match; these are the nearest")
 
 
 def note(line: str) -> None:
-    """Say something beside the answer: on stderr, so that a pipe carries answers only."""
+    """Print a remark to stderr, so that a pipe carries results only."""
     print(line, file=sys.stderr)
 
 
 def strip(values: Sequence[float], width: int) -> str:
-    """A curve as one line of blocks, each the highest value of its stretch."""
+    """A curve as one line of block characters, each the maximum of its interval."""
     import numpy as np
 
     curve = np.asarray(values, dtype=np.float64)
@@ -136,24 +133,12 @@ def strip(values: Sequence[float], width: int) -> str:
     return "".join(_BLOCKS[level] for level in levels)
 
 
-def answer(
-    question: Question,
-    found: Hits,
-    curve: Curve | None = None,
-    *,
-    as_json: bool,
-    width: int = 80,
-) -> None:
-    """Print the moments that answer a question, with the curve of the take where there is one."""
+def moments(question: Question, found: Hits, curve: Curve | None = None, *, as_json: bool, width: int = 80) -> None:
+    """Print the moments of a question, with the similarity curve of the clip if they are of one."""
     if as_json:
-        content: dict[str, Any] = {"query": str(question), "hits": [hit.document() for hit in found]}
-        if question.how != "alone":
-            content |= {"how": question.how, "sentences": list(question.sentences)}
-        if curve is not None:
-            times, similarity = curve
-            named = zip(question.sentences, similarity.round(4).tolist(), strict=True)
-            content["curve"] = {"times": times.round(3).tolist(), "similarity": dict(named)}
-        document(content)
+        from search.documents import moments_document
+
+        document(moments_document(question, found.to_dicts(), curve))
         return
     if is_terminal() and curve is not None:
         for text, values in zip(question.sentences, curve[1], strict=True):
@@ -162,9 +147,9 @@ def answer(
         print(f" {question.how} ".join(f"'{text}'" for text in question.sentences))
     hits(found, str(question), as_json=False)
     if not found:
-        note("nothing found: no clip passes, or the motion is too short for all the steps")
+        note("nothing found: no clip passes the filters, or the motion is too short for all steps")
     if not is_terminal():
-        return  # lines of another shape would be in a program's way; the steps are in the JSON
+        return  # piped lines have one format; the steps are in the JSON
     steps = [(str(h.rank), f"{s.score:.3f}", f"{s.start:.1f}", f"{s.end:.1f}", s.text) for h in found for s in h.steps]
     if steps:
         table(("", "score", "start", "end", "step"), steps, right=("", "score", "start", "end"))

@@ -1,4 +1,4 @@
-"""`motionseek demo`: what it is good for, on real motion capture that ships with it."""
+"""`motionseek demo`: a tour on real motion capture that is included in the package."""
 
 from __future__ import annotations
 
@@ -27,9 +27,10 @@ DATA = Path(__file__).parents[2] / "demo_data"
 @options.force
 @options.as_json
 def demo(folder: Path | None, force: bool, as_json: bool) -> None:
-    """Index a few clips of real motion capture, ask them three sentences, find a moment in a long take, draw pictures.
+    """Run a demo on real motion capture.
 
-    The clips and pictures are put into FOLDER, or into a new temporary folder.
+    Indexes a few clips, searches them, finds a moment in a long take, and draws images of the results. Everything is
+    written to FOLDER, or to a new temporary folder.
 
     \b
     Examples:
@@ -42,10 +43,10 @@ def demo(folder: Path | None, force: bool, as_json: bool) -> None:
     from search.library import Library
 
     if not (DATA / "demo.json").is_file():
-        raise click.ClickException(f"the demo's clips are missing from {DATA}; install motionseek again")
+        raise click.ClickException(f"the clips of the demo are missing from {DATA}; reinstall motionseek")
     place = Path(tempfile.mkdtemp(prefix="motionseek-demo-")) if folder is None else folder
     if folder is not None and folder.exists() and any(folder.iterdir()) and not force:
-        raise click.ClickException(f"{folder} is not empty; name another folder, or use it all the same with --force")
+        raise click.ClickException(f"{folder} is not empty; use --force to write into it")
     script = json.loads((DATA / "demo.json").read_text("utf-8"))
     shutil.copytree(DATA, place, dirs_exist_ok=True, ignore=shutil.ignore_patterns("demo.json"))
     with progress_bar() as progress:
@@ -58,12 +59,12 @@ def demo(folder: Path | None, force: bool, as_json: bool) -> None:
     if as_json:
         terminal.document({"folder": str(place), "clips": summary.indexed} | report)
     program = shlex.quote("motionseek" if shutil.which("motionseek") else sys.argv[0])
-    say(f"See them move, ask, and export what you like:  {program} serve {shlex.quote(str(place))} --open")
-    say(f'Yours next:  {program} index FOLDER   then, in it:  {program} search "..."')
+    say(f"Watch, search and export them in a browser:  {program} serve {shlex.quote(str(place))} --open")
+    say(f'Index your own:  {program} index FOLDER   then, in FOLDER:  {program} search "..."')
 
 
 def _silent(line: str) -> None:
-    """Say nothing: the answer is one JSON document."""
+    """Print nothing: the result is one JSON document."""
 
 
 def _ask(library: Library, questions: list[str], picture: Path, say: Any) -> dict[str, Any]:
@@ -106,7 +107,7 @@ def _locate(library: Library, moment: dict[str, str], picture: Path, say: Any) -
     plot_moments(picture, question, source, found, times, similarity)
     say(f'$ motionseek moments "{question}" {source.path} -k 3 --plot moment.png')
     if say is print:
-        terminal.answer(question, found, (times, similarity), as_json=False)
+        terminal.moments(question, found, (times, similarity), as_json=False)
         print()
     say(f"Similarity over time: {picture}\n")
     return {"moment": {"query": str(question), "hits": [h.document() for h in found]}, "moment_picture": str(picture)}

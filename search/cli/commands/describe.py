@@ -1,4 +1,4 @@
-"""`motionseek describe`: what is this?"""
+"""`motionseek describe`: the sentences that match a motion."""
 
 from __future__ import annotations
 
@@ -11,16 +11,25 @@ from search.cli import options
 @click.argument("ref", metavar="CLIP")
 @options.start
 @options.end
-@click.option("-k", "k", type=click.IntRange(1, 1000), default=5, show_default=True, help="At most so many.")
+@click.option(
+    "-k",
+    "k",
+    metavar="N",
+    type=click.IntRange(1, 1000),
+    default=5,
+    show_default=True,
+    help="Number of sentences, at most.",
+)
 @options.fps
 @options.library
 @options.as_json
 def describe(
     ref: str, start: float | None, end: float | None, k: int, fps: float | None, folder: str | None, as_json: bool
 ) -> None:
-    """Say what happens in CLIP: a file, or a clip of the library by path, name or #id.
+    """Describe CLIP, or a span of it, in sentences.
 
-    A file needs no library; where there is one, its captions are among the sentences.
+    CLIP is a file, or a clip of the library by path, name or number. The sentences are those of the built-in vocabulary
+    and the captions of the library, if there is one.
 
     \b
     Examples:
@@ -28,13 +37,13 @@ def describe(
       motionseek describe long_take.bvh --start 12 --end 14.5 -k 3
     """
     from search.cli import terminal
+    from search.documents import description_document
     from search.ranking.description import describe_motion
 
     with options.open_source(ref, folder, fps=fps) as (bundle, source, library):
         texts, _, vectors = library.caption_vectors() if library else ((), None, None)
         sentences = describe_motion(bundle, source.cut(start, end), k, texts, vectors)
     if as_json:
-        found = [{"text": text, "score": round(score, 4)} for text, score in sentences]
-        terminal.document({"path": source.path, "sentences": found})
+        terminal.document(description_document(source.path, sentences))
     else:
         terminal.table(("score", "sentence"), [(f"{score:.3f}", text) for text, score in sentences], right=("score",))

@@ -1,4 +1,4 @@
-"""`motionseek moments`: where in a take, or anywhere in the library, it happens."""
+"""`motionseek moments`: the spans of one clip, or of the whole library, that match a sentence."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from search.cli import options
 @click.command()
 @click.argument("sentence", required=False)
 @click.argument("ref", metavar="[CLIP]", required=False)
-@click.option("--then", "steps", metavar="SENTENCE", multiple=True, help="A step; give one for each, in order.")
-@click.option("--while", "meanwhile", metavar="SENTENCE", multiple=True, help="What happens at the same time.")
-@click.option("--no-split", is_flag=True, help="Take SENTENCE as one step even if it says 'then'.")
+@click.option("--then", "steps", metavar="SENTENCE", multiple=True, help="A step of a sequence; repeat for each step.")
+@click.option("--while", "meanwhile", metavar="SENTENCE", multiple=True, help="A simultaneous action; can be repeated.")
+@click.option("--no-split", is_flag=True, help="Do not split SENTENCE into steps.")
 @click.option(
     "--plot",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="Draw similarity over time to this PNG, JPEG, SVG or PDF.",
+    help="Plot similarity over time to a .png, .jpg, .svg or .pdf file.",
 )
 @options.force
 @options.hits
@@ -42,10 +42,10 @@ def moments(
     as_json: bool,
     **filters: Any,
 ) -> None:
-    """Find the moments in CLIP, or without CLIP in the whole library, where SENTENCE happens.
+    """Find the moments that match SENTENCE.
 
-    CLIP is a file, indexed or not, or a clip of the library by path, name or #id. A sentence in steps ("walks, then
-    sits down, then waves") is found as spans that follow one another.
+    CLIP is a file, indexed or not, or a clip of the library by path, name or number; without CLIP, the whole library is
+    searched. A sentence in steps ("walks, then sits down, then waves") matches consecutive spans.
 
     \b
     Examples:
@@ -59,19 +59,19 @@ def moments(
     from search.drawing.plots import plot_moments, refuse_format
     from search.query.question import Question
 
-    sentence, ref = _told_apart(sentence, ref, bool(steps) or len(meanwhile) > 1)
+    sentence, ref = _sentence_and_clip(sentence, ref, bool(steps) or len(meanwhile) > 1)
     question = Question.of(sentence, steps, meanwhile, split_steps=not no_split)
     if plot is not None:
         if ref is None:
-            raise click.UsageError("--plot needs a CLIP whose similarity to draw")
+            raise click.UsageError("--plot needs a CLIP")
         options.refuse_overwriting(plot, force)
         refuse_format(plot)
     if ref is None:
         if fps is not None:
-            raise click.UsageError("--fps needs a CLIP whose file it is true of")
+            raise click.UsageError("--fps needs a CLIP")
         with options.open_library(folder) as library:
             found = library.answer(question, None, k, **filters)
-        terminal.answer(question, found, as_json=as_json)
+        terminal.moments(question, found, as_json=as_json)
         return
 
     from search.moments.one_motion import moments_of
@@ -83,17 +83,17 @@ def moments(
         times, similarity = motion.curve()
     if plot is not None:
         plot_moments(plot, question, source, found, times, similarity)
-    terminal.answer(question, found, (times, similarity), as_json=as_json, width=shutil.get_terminal_size().columns)
+    terminal.moments(question, found, (times, similarity), as_json=as_json, width=shutil.get_terminal_size().columns)
     if plot is not None:
         terminal.note(f"wrote {plot}")
 
 
-def _told_apart(sentence: str | None, ref: str | None, has_more: bool) -> tuple[str | None, str | None]:
-    """The sentence and the clip, whichever was given first: what is a file is no sentence."""
+def _sentence_and_clip(sentence: str | None, ref: str | None, has_more: bool) -> tuple[str | None, str | None]:
+    """The sentence and the clip, in either order: an existing file is the clip."""
     if sentence is None or not Path(sentence).is_file():
         return (None, sentence) if has_more and ref is None else (sentence, ref)
     if ref is None and not has_more:
-        raise click.UsageError(f'"{sentence}" is a file; say what to look for in it too, such as "a person waves"')
+        raise click.UsageError(f'"{sentence}" is a file; give a sentence to search for, too, such as "a person waves"')
     if ref is not None and Path(ref).is_file():
-        raise click.UsageError(f'"{sentence}" and "{ref}" are both files; give one, and a sentence')
+        raise click.UsageError(f'"{sentence}" and "{ref}" are both files; give one file and a sentence')
     return ref, sentence

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 
+from search.documents import curve_document, description_document, moments_document
 from search.hits import Hit
 from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
@@ -73,12 +74,12 @@ def routes(state: AppState) -> APIRouter:
 
         def in_library() -> bytes:
             hits = library.answer(question, k=offset + k, **given)[offset:]
-            return to_json(_moments(question, _documents(hits)))
+            return to_json(moments_document(question, _documents(hits)))
 
         def in_clip(ref: str) -> bytes:
             motion = QueriedMotion(library.bundle, state.source(ref), library.encode(question))
             hits = moments_of(motion, offset + k)[offset:]
-            return to_json(_moments(question, _documents(hits, ref)) | {"curve": _curve(motion)})
+            return to_json(moments_document(question, _documents(hits, ref), motion.curve()))
 
         make = in_library if clip is None else lambda: in_clip(clip)
         return bytes_response(await state.cached(_key(request), make))
@@ -92,15 +93,14 @@ def routes(state: AppState) -> APIRouter:
             source = state.source(clip)
             named = {"clip": _ref(source, clip), "path": source.path, "duration": round(source.duration, 3)}
             motion = QueriedMotion(library.bundle, source, library.encode(question))
-            return to_json(named | _curve(motion))
+            return to_json(named | curve_document(question.sentences, motion.curve()))
 
         return bytes_response(await state.cached(_key(request), make))
 
     def described(source: MotionSource, ref: str, span: tuple[float | None, float | None], k: int) -> bytes:
         texts, _, vectors = library.caption_vectors()
         found = describe_motion(library.bundle, source.cut(*span), k, texts, vectors)
-        sentences = [{"text": text, "score": round(score, 4)} for text, score in found]
-        return to_json({"path": source.path, "sentences": sentences, "clip": _ref(source, ref)})
+        return to_json(description_document(source.path, found) | {"clip": _ref(source, ref)})
 
     @router.get("/describe", responses=ok(response_models.DescribeResponse) | NO_CLIP)
     async def describe(request: Request, clip: ClipParam, span: SpanParams, k: CountParam = 5) -> Response:
@@ -187,16 +187,3 @@ def _independent(sentences: list[str]) -> Question:
     for sentence in sentences:
         Question.of(sentence, split_steps=False)
     return Question(tuple(dict.fromkeys(sentences)))
-
-
-def _moments(question: Question, hits: list[dict[str, Any]]) -> dict[str, Any]:
-    content: dict[str, Any] = {"query": str(question), "hits": hits}
-    if question.how != "alone":
-        content |= {"how": question.how, "sentences": list(question.sentences)}
-    return content
-
-
-def _curve(motion: QueriedMotion) -> dict[str, Any]:
-    times, similarity = motion.curve()
-    named = zip(motion.question.sentences, similarity.round(4).astype(float).round(4).tolist(), strict=True)
-    return {"times": times.round(3).tolist(), "similarity": dict(named)}

@@ -72,7 +72,7 @@ def test_a_file_is_no_sentence_wherever_it_stands(takes: Path, run: Run, tmp_pat
     assert swapped.document == run("moments", "a person walks", file, "--json", "-k", 1).document
     alone = run("moments", file)
     assert alone.code == 2
-    assert "what to look for" in alone.err
+    assert "give a sentence" in alone.err
     assert "both files" in run("moments", file, takes / "take 2.npy").err
 
 

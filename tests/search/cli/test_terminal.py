@@ -36,7 +36,7 @@ def test_a_pipe_gets_a_line_a_hit_with_its_name_as_it_is(found: Hits, capsys: py
 
 
 def test_no_moment_is_said_so(capsys: pytest.CaptureFixture[str]) -> None:
-    terminal.answer(Question.of("walks, then sits"), Hits(), as_json=False)
+    terminal.moments(Question.of("walks, then sits"), Hits(), as_json=False)
     said = capsys.readouterr()
     assert said.out == ""
     assert "nothing found" in said.err

@@ -1,0 +1,42 @@
+"""Answers as plain data with stable keys and rounded numbers: what the command line and the server write as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from search.query.question import Question
+
+#: Times (T,) in seconds and the similarity (S, T) of each sentence.
+Curve = tuple[NDArray[np.float64], NDArray[np.float32]]
+
+
+def moments_document(question: Question, hits: Sequence[dict[str, Any]], curve: Curve | None = None) -> dict[str, Any]:
+    """The moments of a question, with the curve of the motion where they are of one.
+
+    Parameters
+    ----------
+    hits : sequence of dict
+        See `search.hits.Hit.document`.
+    """
+    content: dict[str, Any] = {"query": str(question), "hits": list(hits)}
+    if question.how != "alone":
+        content |= {"how": question.how, "sentences": list(question.sentences)}
+    if curve is not None:
+        content["curve"] = curve_document(question.sentences, curve)
+    return content
+
+
+def curve_document(sentences: Sequence[str], curve: Curve) -> dict[str, Any]:
+    """Similarity over time, by sentence."""
+    times, similarity = curve
+    rounded = similarity.astype(float).round(4).tolist()
+    return {"times": times.round(3).tolist(), "similarity": dict(zip(sentences, rounded, strict=True))}
+
+
+def description_document(path: str, sentences: Sequence[tuple[str, float]]) -> dict[str, Any]:
+    """The sentences that match a motion, with their scores."""
+    return {"path": path, "sentences": [{"text": text, "score": round(score, 4)} for text, score in sentences]}
