@@ -1,1 +1,1 @@
-"""A model at work: its files, its manifest, batches and windows; the model that ships lies in `default`."""
+"""A model ready for use: its files and manifest, batching and windows; `default` holds the shipped one."""

@@ -27,7 +27,7 @@ Array = NDArray[np.float32]
 
 DEFAULT = Path(__file__).parent / "default"
 
-#: Frames and tokens a batch holds: enough for full matrix products, little enough to stay in the cores' caches.
+#: Frames and tokens of a batch: enough for full matrix products, few enough for the cores' caches.
 _FRAMES_A_BATCH = 512
 _TOKENS_A_BATCH = 512
 #: A vocabulary to describe with, and recent questions with their paraphrases: 4 MB.
@@ -48,7 +48,7 @@ class Bundle:
     latent_size : int
         Numbers a vector.
     manifest : mapping
-        All that manifest.json says.
+        The contents of manifest.json.
     """
 
     def __init__(self, folder: Path, manifest: Manifest, threads: int | None = None) -> None:
@@ -70,7 +70,7 @@ class Bundle:
     def load(cls, folder: str | Path | None = None, *, threads: int | None = None) -> Bundle:
         """Open a bundle folder, None for the default one, and check it.
 
-        Graphs are loaded when first needed: who only encodes motions never pays for the language model.
+        Graphs are loaded on first use: encoding motions alone never loads the language model.
 
         Parameters
         ----------
@@ -93,7 +93,7 @@ class Bundle:
 
     @cached_property
     def calibration(self) -> dict[str, NDArray[Any]] | None:
-        """The arrays shipped to judge scores by, if any; halves are widened here, not again for every question."""
+        """The arrays that scores are calibrated with, if any; float16 ones as float32."""
         if CALIBRATION not in self.manifest["files"]:
             return None
         try:
@@ -180,7 +180,7 @@ class Bundle:
                 }
                 found = {node.name: _fixed(node.shape) for node in session.get_inputs()}
                 if found != inputs[name] or _fixed(session.get_outputs()[0].shape) != [None, self.latent_size]:
-                    raise BundleError(f"{self.folder / name}: does not fit its manifest, or other features than ours")
+                    raise BundleError(f"{self.folder / name}: does not fit its manifest or this version's features")
                 self._sessions[name] = session
             return self._sessions[name]
 
@@ -199,7 +199,7 @@ class Bundle:
 
 def open_session(path: Path, threads: int | None = None) -> InferenceSession:
     """An onnxruntime session on the CPU; weights stored small are turned to floating point here, once."""
-    # Nothing leaves this machine: onnxruntime would report its use unless told so before it is loaded.
+    # No telemetry: this must be set before onnxruntime is loaded.
     os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
     import onnxruntime
 
@@ -207,7 +207,7 @@ def open_session(path: Path, threads: int | None = None) -> InferenceSession:
     options.intra_op_num_threads = threads or 0
     options.log_severity_level = 3
     options.add_session_config_entry("session.disable_quant_qdq", "1")  # fold DequantizeLinear into the weights
-    # Threads that spin while they wait take the cores from readers and other requests: twice the CPU time, and slower.
+    # Threads that spin while they wait take cores from readers and other requests: twice the CPU time, and slower.
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     try:
         return onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
@@ -216,7 +216,7 @@ def open_session(path: Path, threads: int | None = None) -> InferenceSession:
 
 
 def _no_latent(sentence: str) -> list[Array]:
-    """What the cache holds of a sentence that has just been asked for."""
+    """The entry of a sentence that is not encoded yet."""
     return []
 
 

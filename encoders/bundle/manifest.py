@@ -1,4 +1,4 @@
-"""What a bundle says about itself: read from its manifest.json, checked against its files, never believed."""
+"""The manifest of a bundle: read, validated, and checked against the bundle's files."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Manifest:
     files : mapping of name to sha256
         Every file of the bundle but the manifest; plain names inside the folder.
     values : mapping
-        The whole document, with what only people read (licence, training).
+        The whole document, with what is for people only (licence, training).
     """
 
     name: str

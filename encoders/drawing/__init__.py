@@ -1,1 +1,1 @@
-"""A body to look at: capsules on its joints, and the player that notebooks show."""
+"""Drawing of motions given as arrays: the capsule model of a body, and the notebook player."""

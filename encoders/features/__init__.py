@@ -1,1 +1,1 @@
-"""How a motion becomes numbers a frame: one module a feature kind, and the registry of kinds."""
+"""Features of a motion, frame by frame: one module a kind, and the registry of kinds."""

@@ -182,7 +182,7 @@ def body_features(joints: ArrayLike) -> Array:
     Returns
     -------
     float32 array (..., ceil(T / 2), SIZE)
-        Every second frame's features, laid out as `LAYOUT` says. Finite for finite joints.
+        Every second frame's features, laid out as in `LAYOUT`. Finite for finite joints.
     """
     # Time is the first axis inside, whatever the leading dimensions.
     place: Array = np.moveaxis(np.clip(joints, -_FARTHEST, _FARTHEST).astype(np.float32), -3, 0)

@@ -168,7 +168,7 @@ def joints_to_features(joints: ArrayLike, *, retarget: bool = True) -> NDArray[n
     Returns
     -------
     float32 array (..., T - 1, 263)
-        Finite for finite joints; laid out as `LAYOUT` says.
+        Finite for finite joints; laid out as in `LAYOUT`.
 
     Raises
     ------
@@ -209,7 +209,7 @@ def features_to_joints(features: ArrayLike) -> NDArray[np.float32]:
     features = np.asarray(features, dtype=np.float64)
     if features.ndim < 2 or features.shape[-1] != SIZE:
         raise ValueError(f"features.shape={features.shape} must be (..., T, {SIZE})")
-    # What a frame says of the root's motion leads to the next frame.
+    # A frame's root velocity leads to the next frame.
     before = features[..., :-1, :]
     angles = np.zeros(features.shape[:-1])
     np.cumsum(2 * before[..., LAYOUT["turn"].start], axis=-1, out=angles[..., 1:])

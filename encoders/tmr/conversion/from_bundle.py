@@ -26,7 +26,7 @@ Array = NDArray[np.float32]
 def restore(folder: Path, config: TMRConfig) -> tuple[TMR, Normaliser]:
     """The encoders of the bundle in `folder`, with its normaliser.
 
-    What it does not hold begins anew: a decoder always, a sentence head where the bundle has none.
+    Weights it does not hold are initialised at random: a decoder always, a sentence head where the bundle has none.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def restore(folder: Path, config: TMRConfig) -> tuple[TMR, Normaliser]:
         _fill(model.text_encoder, text)
         mean, inverse = motion.first("Sub"), motion.first("Mul")
     except (OSError, LookupError, ValueError, RuntimeError) as error:
-        raise BundleError(f"{folder}: no bundle with networks of these sizes to go on from ({error})") from error
+        raise BundleError(f"{folder}: no bundle with networks of these sizes to fine-tune ({error})") from error
     return model, Normaliser(mean=mean, std=(1 / inverse).astype(np.float32))
 
 

@@ -1,8 +1,8 @@
 """TMR's encoders and the language model as ONNX graphs, written node by node from the weights.
 
-Written and not traced: a trace takes the shapes it saw for the shapes there are, and orders nodes as the runtime
-cannot fuse them. Here batch and length are free throughout, tokens lie in one long matrix so that biases are part of
-the matrix products, and weights are stored as small as asked.
+Not traced: a trace bakes in the shapes it saw, and orders nodes so that the runtime cannot fuse them. Here batch and
+length are dynamic, tokens lie in one long matrix so that biases are part of the matrix products, and weights are
+quantised on request.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _MASKED = -1e9
 
 
 class GraphBuilder:
-    """An ONNX graph in the making; every method adds nodes and gives the name of what they compute."""
+    """Builds an ONNX graph; every method adds nodes and returns the name of their output."""
 
     def __init__(self, *, int8: bool) -> None:
         self._int8 = int8
@@ -57,7 +57,7 @@ class GraphBuilder:
         return self._constants[key]
 
     def matrix(self, weight: Tensor) -> str:
-        """A weight matrix (out, in); as int8 it is turned to floating point when the runtime loads it."""
+        """A weight matrix (out, in); int8 is dequantised when the runtime loads it."""
         array = weight.detach().numpy()
         if not self._int8 or array.size < _SMALLEST:
             return self._store(array, "weight")
@@ -67,7 +67,7 @@ class GraphBuilder:
         return str(self.add("Reshape", rows, self.constant(array.shape)))
 
     def rows(self, table: Tensor, indices: str) -> str:
-        """Rows of an embedding table (V, D) at indices (A, B); in 4 bits, only they are turned to floating point."""
+        """Rows of an embedding table (V, D) at indices (A, B); of 4 bits, only these rows are dequantised."""
         array = table.detach().numpy()
         if not self._int8:
             return self.add("Gather", self._store(array, "table"), indices)
@@ -148,7 +148,7 @@ class _LayerWeights:
             query, key, value = ((linear.weight, linear.bias) for linear in (layer.q_lin, layer.k_lin, layer.v_lin))
             rest = (layer.out_lin, layer.sa_layer_norm, layer.lin1, layer.lin2, layer.output_layer_norm)
         else:
-            raise TypeError(f"{type(layer).__name__} is no layer this knows to write")
+            raise TypeError(f"{type(layer).__name__} is no layer that can be exported")
         scale = (len(query[1]) // heads) ** -0.5
         return cls(heads, (query[0] * scale, query[1] * scale), key, value, *rest)
 
@@ -185,12 +185,12 @@ def text_graph(
     batch, tokens = graph.size("input_ids", 0), graph.size("input_ids", 1)
     places = graph.add(
         "Slice",
-        graph.constant(language.places.weight[:max_tokens].detach().numpy(), np.float32),
+        graph.constant(language.position_embeddings.weight[:max_tokens].detach().numpy(), np.float32),
         graph.constant([0]),
         tokens,
         graph.constant([0]),
     )
-    x = graph.norm(graph.add("Add", graph.rows(language.words.weight, "input_ids"), places), language.norm)
+    x = graph.norm(graph.add("Add", graph.rows(language.word_embeddings.weight, "input_ids"), places), language.norm)
     x = graph.add("Reshape", x, graph.constant([-1, language.config.width]))
     bias = _key_bias(graph, lengths, tokens)
     for layer in language.layers:
@@ -219,7 +219,7 @@ def _sentence_head(graph: GraphBuilder, head: SentenceHead, x: str, lengths: str
 
 
 def _unit(graph: GraphBuilder, x: str) -> str:
-    """Rows of x (N, D) made unit vectors."""
+    """Rows of x (N, D) normalised."""
     return str(graph.add("Div", x, graph.add("ReduceL2", x, graph.constant([1]), keepdims=1)))
 
 

@@ -40,7 +40,7 @@ def export_bundle(
     training: Mapping[str, Any] | None = None,
     calibration: Mapping[str, NDArray[Any]] | None = None,
 ) -> Path:
-    """Write a bundle; a bundle that was in `folder` before is replaced only when the new one is whole.
+    """Write a bundle; a bundle already in `folder` is replaced only when the new one is complete.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def export_bundle(
     max_frames : int
         Longest motion, in feature frames, that passes the encoder as a whole.
     training : mapping of plain values
-        What the manifest says about how the model came to be.
+        What the manifest says about training.
     calibration : mapping of arrays
         Written as calibration.npz; changes no embedding.
     """

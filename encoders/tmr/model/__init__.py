@@ -1,1 +1,1 @@
-"""TMR's networks, and what stands before them: normalising and padding."""
+"""TMR's networks, with the normalisation and padding of their inputs."""

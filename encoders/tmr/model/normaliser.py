@@ -1,4 +1,4 @@
-"""What standardises features before a network sees them."""
+"""Standardisation of features."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ class Normaliser:
 
     @classmethod
     def of(cls, features: NDArray[np.floating]) -> Normaliser:
-        """From features (N, F), of which at most 200,000 rows are looked at."""
+        """From features (N, F), at most 200,000 rows of which are used."""
         rows = features[:: max(1, len(features) // 200_000)].astype(np.float32)
         return cls(rows.mean(0), np.maximum(rows.std(0), 0.02))
 
     def save(self, run: Path) -> None:
-        """Keep it in a run's folder."""
+        """Write it into a run's folder."""
         np.savez(run / _FILE, mean=self.mean, std=self.std)
 
     @classmethod

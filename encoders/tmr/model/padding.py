@@ -1,4 +1,4 @@
-"""Arrays of mixed lengths as the padded tensors that the networks read."""
+"""Arrays of mixed lengths as padded tensors."""
 
 from __future__ import annotations
 

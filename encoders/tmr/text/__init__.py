@@ -1,1 +1,1 @@
-"""The frozen language model and the token features it gives of sentences."""
+"""The frozen language model and its token features of sentences."""

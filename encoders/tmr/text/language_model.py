@@ -100,15 +100,15 @@ class LanguageNetwork(nn.Module):
     def __init__(self, config: LanguageConfig) -> None:
         super().__init__()
         self.config = config
-        self.words = nn.Embedding(config.vocabulary, config.width)
-        self.places = nn.Embedding(config.max_tokens, config.width)
+        self.word_embeddings = nn.Embedding(config.vocabulary, config.width)
+        self.position_embeddings = nn.Embedding(config.max_tokens, config.width)
         self.norm = nn.LayerNorm(config.width, eps=config.norm_epsilon)
         self.layers = nn.ModuleList(LanguageLayer(config) for _ in range(config.layers))
 
     def forward(self, ids: Tensor, mask: Tensor) -> Tensor:
         """Ids (B, L) and boolean mask (B, L) -> features (B, L, width)."""
-        places = torch.arange(ids.shape[1], device=ids.device)
-        x = self.norm(self.words(ids) + self.places(places))
+        positions = torch.arange(ids.shape[1], device=ids.device)
+        x = self.norm(self.word_embeddings(ids) + self.position_embeddings(positions))
         for layer in self.layers:
             x = layer(x, mask)
         return x
@@ -117,8 +117,8 @@ class LanguageNetwork(nn.Module):
 #: Names in published files -> names in `LanguageNetwork`, BERT's and DistilBERT's.
 _NAMES = (
     (r"^(bert|distilbert)\.", ""),
-    (r"^embeddings\.word_embeddings\.", "words."),
-    (r"^embeddings\.position_embeddings\.", "places."),
+    (r"^embeddings\.word_embeddings\.", "word_embeddings."),
+    (r"^embeddings\.position_embeddings\.", "position_embeddings."),
     (r"^embeddings\.LayerNorm\.", "norm."),
     (r"^(encoder|transformer)\.layer\.", "layers."),
     (r"\.attention\.self\.(query|key|value)\.", lambda m: f".{m[1][0]}_lin."),
@@ -140,8 +140,12 @@ def rename(tensors: dict[str, Tensor]) -> dict[str, Tensor]:
         renamed[name] = tensor
     segments = renamed.pop("embeddings.token_type_embeddings.weight", None)
     if segments is not None:
-        renamed["places.weight"] = renamed["places.weight"] + segments[0]
-    return {name: t for name, t in renamed.items() if name.startswith(("words.", "places.", "norm.", "layers."))}
+        renamed["position_embeddings.weight"] = renamed["position_embeddings.weight"] + segments[0]
+    return {
+        name: t
+        for name, t in renamed.items()
+        if name.startswith(("word_embeddings.", "position_embeddings.", "norm.", "layers."))
+    }
 
 
 @dataclass(frozen=True)
@@ -167,7 +171,7 @@ class LanguageModel:
         Raises
         ------
         BundleError
-            If the package is not installed, a file is missing, or the model is not one we know.
+            If the package is not installed, a file is missing, or the model is of another kind.
         """
         from safetensors import SafetensorError
         from safetensors.torch import load_file
@@ -206,14 +210,14 @@ class LanguageModel:
         return features
 
     def embed(self, sentences: Sequence[str]) -> NDArray[np.float32]:
-        """Sentence embeddings (N, width): the mean over tokens, made a unit vector."""
+        """Sentence embeddings (N, width): the mean over tokens, normalised."""
         if not sentences:
             return np.empty((0, self.width), np.float32)
         return mean_embeddings(self.token_features(sentences))
 
 
 def mean_embeddings(token_features: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:
-    """Token features of N sentences -> sentence embeddings (N, width): means made unit vectors."""
+    """Token features of N sentences -> sentence embeddings (N, width): normalised means."""
     means = np.stack([tokens.mean(axis=0) for tokens in token_features])
     return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True), np.float32)
 

@@ -1,1 +1,1 @@
-"""From motions and sentences to a trained TMR: pairs, batches, losses, the loop."""
+"""Training of TMR: pairs, batches, losses, the loop and its checkpoints."""

@@ -1,4 +1,4 @@
-"""Train TMR on captioned motion, resumable: the steps of a recipe, kept in a folder."""
+"""The training loop: the steps of a recipe, with checkpoints in a folder to resume from."""
 
 from __future__ import annotations
 

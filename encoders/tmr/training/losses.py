@@ -61,7 +61,7 @@ def contrastive(text: Tensor, motion: Tensor, temperature: float | Tensor, ignor
     temperature : float or scalar tensor
         A tensor may be learned.
     ignore : boolean (B + E, B), text by motion
-        Pairs left out of both denominators; the diagonal stays whatever it says.
+        Pairs left out of both denominators; the diagonal is never left out.
     """
     count = len(motion)
     logits = F.normalize(text, dim=-1) @ F.normalize(motion, dim=-1).T / temperature

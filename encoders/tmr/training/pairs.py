@@ -120,7 +120,7 @@ class PairStore:
             setattr(store, attribute, words[name])
         store.hard_negatives = [s or [-1] * len(c) for s, c in zip(store.hard_negatives, store.captions, strict=True)]
         if any(len(s) != len(c) for s, c in zip(store.hard_negatives, store.captions, strict=True)):
-            raise MotionSeekError(f"{path}: written by an older motionseek; delete it, and it is made anew")
+            raise MotionSeekError(f"{path}: written by an older motionseek; delete it, and it is synthesised again")
         return store
 
     @classmethod

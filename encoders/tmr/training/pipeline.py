@@ -64,14 +64,14 @@ class Validation:
         assert self.real is not None
         store = self.real
         motions = embed_motions(model, store, self.normaliser, self.max_frames)
-        asked: dict[str, list[int]] = {}
+        queries: dict[str, list[int]] = {}
         for i, captions in enumerate(store.captions):
             for caption in captions:
-                asked.setdefault(store.texts[caption], []).append(i)
-        right = np.zeros((len(asked), len(store)), bool)
-        for row, clips in zip(right, asked.values(), strict=True):
+                queries.setdefault(store.texts[caption], []).append(i)
+        right = np.zeros((len(queries), len(store)), bool)
+        for row, clips in zip(right, queries.values(), strict=True):
             row[clips] = True
-        similarity = embed_texts(model, self.tokens, [self.texts[t] for t in asked]) @ motions.T
+        similarity = embed_texts(model, self.tokens, [self.texts[t] for t in queries]) @ motions.T
         rank = ranks(similarity, right)
         return {f"real_R@{k}": 100 * float(np.mean(rank < k)) for k in (1, 5, 10)}
 

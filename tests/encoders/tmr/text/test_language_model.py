@@ -77,8 +77,8 @@ def test_a_missing_package_says_what_to_install(monkeypatch):
 def published_names(network: LanguageNetwork, kind: str) -> dict:
     """The network's tensors as BERT's or DistilBERT's authors name them."""
     bert = {
-        "words.": "embeddings.word_embeddings.",
-        "places.": "embeddings.position_embeddings.",
+        "word_embeddings.": "embeddings.word_embeddings.",
+        "position_embeddings.": "embeddings.position_embeddings.",
         "norm.": "embeddings.LayerNorm.",
         "layers.": "encoder.layer.",
         "q_lin": "attention.self.query",
@@ -127,7 +127,7 @@ def test_bert_and_distilbert_folders_are_read(tmp_path, kind):
         }
         segments = torch.randn(2, sizes.width)
         tensors["embeddings.token_type_embeddings.weight"] = segments
-        tensors["embeddings.position_embeddings.weight"] = model.network.places.weight - segments[0]
+        tensors["embeddings.position_embeddings.weight"] = model.network.position_embeddings.weight - segments[0]
         tensors["pooler.dense.weight"] = torch.zeros(2, 2)
     else:
         values = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -85,8 +86,10 @@ def test_it_learns_to_tell_the_motions_of_a_batch_apart(prepared, tmp_path: Path
     batch = prepared[0].draw(np.random.default_rng(0))
     same = contrastive(torch.ones(len(batch.texts), 2), torch.ones(16, 2), 0.1, batch.ignore)
     knowing_nothing = same.item() + RECIPE.hard_negative_weight * np.log(2)
-    trainer = Trainer(tmp_path / "run", replace(RECIPE, rate=3e-3), SimpleNamespace(draw=lambda rng, hard: batch))
-    losses = [trainer._advance()["contrastive"] for _ in range(RECIPE.steps)]
+    batches = SimpleNamespace(draw=lambda rng, hard: batch, embeddings=None)
+    Trainer(tmp_path / "run", replace(RECIPE, rate=3e-3), batches).run(every=1, say=str)
+    log = (tmp_path / "run" / "log.jsonl").read_text().splitlines()
+    losses = [json.loads(row)["contrastive"] for row in log]
     assert losses[0] > 0.9 * knowing_nothing
     assert losses[-1] < 0.6 * knowing_nothing
 
