@@ -21,7 +21,7 @@ from indexer.store.stored_library import StoredLibrary
 from search.drawing.film import write_picture
 from search.export.cut import writable, write_cut
 from search.hits import Hits
-from search.moments.across_library import LocatedMoment, best_moments
+from search.moments.across_library import best_moments
 from search.moments.one_motion import find, moments_of
 from search.moments.queried_motion import QueriedMotion
 from search.moments.segments import Segment, segment_motion
@@ -381,29 +381,30 @@ class Library(StoredLibrary):
         return self._hits(question, best_clips(self, question.vectors[0], k, allowed=allowed))
 
     def _hits(self, question: EncodedQuestion, found: Sequence[ClipScore]) -> Hits:
-        clips = self.clips_by_id([score.clip_id for score in found])
-        located = [(score.clip_id, score.moment(clips[score.clip_id].duration)) for score in found]
-        return as_hits(self.bundle, question, self._answers(located))
+        sources = self._sources([score.clip_id for score in found])
+        named = [(sources[score.clip_id], score) for score in found]
+        return as_hits(self.bundle, question, [Answer(source, s.moment(source.duration)) for source, s in named])
 
     def _moment_hits(self, question: EncodedQuestion, k: int, allowed: Ids | None) -> Hits:
         """The best spans over all clips."""
         if question.how == "alone":
             found = best_moments(self.bundle, self, self._source_of, question, k, allowed=allowed)
-            return as_hits(self.bundle, question, self._answers(found))
+            sources = self._sources([clip_id for clip_id, _ in found])
+            return as_hits(self.bundle, question, [Answer(sources[clip_id], moment) for clip_id, moment in found])
         return as_hits(self.bundle, question, list(islice(self._find_in_candidates(question, allowed), k)))
 
     def _find_in_candidates(self, question: EncodedQuestion, allowed: Ids | None) -> Iterator[Answer]:
         """Answers in the clips in which all sentences are likely, best first in each batch of clips."""
         for ids in batched(rank_candidate_clips(self, question.vectors, allowed=allowed), _BATCH):
-            sources = (MotionSource.of_clip(self, clip) for clip in self.clips_by_id(ids).values())
             found = [
-                answer for source in sources for answer in find(QueriedMotion(self.bundle, source, question), _OF_EACH)
+                answer
+                for source in self._sources(ids).values()
+                for answer in find(QueriedMotion(self.bundle, source, question), _OF_EACH)
             ]
             yield from sorted(found, key=lambda answer: -answer.moment.score)
 
     def _source_of(self, clip_id: int) -> MotionSource:
         return MotionSource.of_clip(self, self.clip(clip_id))
 
-    def _answers(self, located: Sequence[LocatedMoment]) -> list[Answer]:
-        clips = self.clips_by_id([clip_id for clip_id, _ in located])
-        return [Answer(MotionSource.of_clip(self, clips[clip_id]), moment) for clip_id, moment in located]
+    def _sources(self, ids: Iterable[int]) -> dict[int, MotionSource]:
+        return {id: MotionSource.of_clip(self, clip) for id, clip in self.clips_by_id(ids).items()}

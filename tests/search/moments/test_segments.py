@@ -40,7 +40,7 @@ def test_a_table_has_a_line_for_every_segment() -> None:
 def test_the_document_covers_the_take() -> None:
     document = as_document(SEGMENTS, "take.bvh")
     assert document["duration"] == 6
-    assert [s["label"] for s in document["segments"]] == ["walk", "", "sit <down> & wave"]  # type: ignore[attr-defined]
+    assert [s["label"] for s in document["segments"]] == ["walk", "", "sit <down> & wave"]
 
 
 def test_elan_reads_back_what_was_labelled() -> None:

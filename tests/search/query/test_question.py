@@ -30,4 +30,4 @@ def test_one_string_is_no_list_of_sentences(name: str) -> None:
 
 def test_a_sentence_is_text() -> None:
     with pytest.raises(QueryError, match="string"):
-        Question.of(3)  # type: ignore[arg-type]
+        Question.of(3)
