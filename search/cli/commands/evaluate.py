@@ -49,12 +49,16 @@ def evaluate(
 ) -> None:
     """Evaluate the model on an archive of yours in FOLDER, or on synthetic motion.
 
-    labels: average precision of each label's queries among all labelled clips of FOLDER.
-    captions: rank of the best file for each description in FOLDER's manifest.tsv and each caption of its files.
-    corpus: retrieval among synthetic clips held out of training. out-of-domain: how often sentences that no motion
-    fits are called strong. moments: moment retrieval in long takes, beside the TMR paper's sliding windows, as
-    Markdown: in synthetic takes of held-out actions; with FOLDER and --captions in a third as many takes joined from
-    its clips (and those of --labelled) and for captions of parts of takes; with --segments for timed labels.
+    Moments are searched in synthetic takes of held-out actions; with FOLDER and --captions in a third as many takes
+    joined from its clips (and those of --labelled) and for captions of parts; with --segments for timed labels.
+
+    \b
+    Protocols:
+      labels         average precision of each label's queries among the labelled clips of FOLDER
+      captions       rank of the best file for each description in FOLDER's manifest.tsv and each caption
+      corpus         retrieval among synthetic clips held out of training
+      out-of-domain  how often sentences that no motion fits are called strong
+      moments        moment retrieval in long takes, beside the TMR paper's sliding windows, as Markdown
 
     \b
     Examples:
