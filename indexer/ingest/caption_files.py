@@ -1,4 +1,4 @@
-"""Side files: what people wrote about motions, beside them.
+"""Side files: captions that people wrote, in files beside the motions.
 
 `NAME.txt` beside `NAME.bvh` holds a caption a line; `captions.csv`, `.tsv` or `.jsonl` in any folder has the
 columns path, text, start, end (seconds) and fps, of which only the path and one of text and fps are needed.

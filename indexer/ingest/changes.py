@@ -45,14 +45,14 @@ class RequestedOptions:
 
 @dataclass
 class Changes:
-    """What is to be done about the motions of one root.
+    """The changes to the motions of one root.
 
     Attributes
     ----------
     read : list of FileVersion
         New and changed files.
     unreadable : list of (FileVersion, reason)
-        Files that cannot even be opened.
+        Files that cannot be opened.
     moved : list of (file id, root id, File)
         Files that lie elsewhere than before, or are back.
     touched : list of (file id, File)
@@ -72,7 +72,7 @@ class Changes:
     failed_before: int = 0
 
     def count_as_before(self, known: KnownFile) -> None:
-        """Count a file that needs nothing done."""
+        """Count an unchanged file."""
         if known.state == INDEXED:
             self.unchanged += 1
         else:

@@ -26,7 +26,7 @@ from indexer.store.writer import Writer, writing
 
 __all__ = ["Progress", "Summary", "index", "reencode"]
 
-#: Called with how many files are done, how many there are to do, and the path of the last one.
+#: Called with the number of files done, the number to do, and the path of the last one.
 Progress = Callable[[int, int, str], None]
 
 #: Stored frames (20 a second) and files in a batch; a long take is a batch of its own.
@@ -40,17 +40,17 @@ class Summary:
     Attributes
     ----------
     indexed, unchanged, moved, gone : int
-        Files: read and encoded, indexed as they were, found elsewhere, vanished.
+        Files: read and encoded, unchanged, moved, vanished.
     failed : list of (path, reason)
         Files tried in this run that cannot be read.
     seconds : float
         How long it took.
     failed_before : int
-        Files as they were that could not be read when they were tried.
+        Unchanged files that could not be read when they were last tried.
     warnings : list of str
-        What was passed over, and why.
+        What was skipped, and why.
     interrupted : bool
-        Whether Ctrl-C ended the run early; what was done is kept.
+        Whether Ctrl-C ended the run early; what was committed is kept.
     """
 
     indexed: int = 0
@@ -66,7 +66,7 @@ class Summary:
 
 @dataclass(frozen=True)
 class _Task:
-    """A file to be read: where it lies, and what the library will know of it."""
+    """A file to be read: its root, and what the library will record of it."""
 
     root: Path
     source: FileVersion
@@ -89,7 +89,7 @@ def index(
 ) -> Summary:
     """Bring the library of one or several folders up to date.
 
-    What is done is kept whenever it ends: at Ctrl-C it returns early, and killed it loses the batch in flight.
+    What is committed is kept: at Ctrl-C the run returns early; killed, it loses the batch in flight.
 
     Parameters
     ----------
@@ -102,8 +102,9 @@ def index(
     jobs : int, optional
         Processes that read; by default one a core.
     fps : float, optional
-        Frame rate of the files, where they say none or a wrong one; a captions table's goes before it. Remembered
-        for each file, as is `joint_map`: files indexed otherwise before are read again, and later runs need not say it.
+        Frame rate of the files, where they state none or a wrong one; that of a captions table takes precedence. It is
+        recorded for each file, as is `joint_map`: files read with other options before are read again, and later runs
+        need not give them.
     joint_map : mapping, optional
         Target joint to joint name in the files; for those that have all these joints.
     retry : bool

@@ -1,4 +1,4 @@
-"""Reading in processes of their own, so that a file that crashes, hangs or eats memory costs itself alone."""
+"""Read files in separate processes, so that one that crashes, hangs or exhausts memory fails alone."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from indexer.ingest.worker import READY
 
 READ = "indexer.ingest.worker:read"
 
-#: Seconds a file may take: so many, and so many more for each MB.
+#: Seconds a file may take, and those added for each MB.
 PATIENCE, PATIENCE_A_MB = 60.0, 2.0
 
-#: Results that may wait for each process: enough to keep all busy while one has a long file.
+#: Results that may queue for each process: enough to keep all busy while one reads a long file.
 _AHEAD = 4
 
-#: Seconds a process may take from its last word to its end.
+#: Seconds a process may take to exit after its last output.
 _ENDING = 5.0
 
 _START = (
@@ -44,7 +44,7 @@ Key = TypeVar("Key")
 
 @dataclass(frozen=True)
 class Read:
-    """What became of a file: its motion and rig, or the reason why there is none."""
+    """The result for a file: its motion and rig, or the reason why there is none."""
 
     motion: Motion | None
     rig: str = ""
@@ -53,7 +53,7 @@ class Read:
 
 @dataclass(frozen=True)
 class Request(Generic[Key]):
-    """A file to read; `key` is the caller's own."""
+    """A file to read; `key` is returned with the result."""
 
     key: Key
     path: Path
@@ -66,19 +66,19 @@ def read_all(
 ) -> Iterator[tuple[Key, Read]]:
     """Read files in `jobs` processes; results come in the order of the requests.
 
-    Few requests are taken ahead of what is consumed, so memory does not grow with their number.
+    Few requests are taken ahead of the results that are consumed, so that memory does not grow with their number.
 
     Parameters
     ----------
     patience : float
-        Seconds a small file may take before its process is ended.
+        Seconds a small file may take before its process is killed.
     target : str
         "module:function" that reads; see `indexer.ingest.worker.serve`.
 
     Raises
     ------
     MotionSeekError
-        If processes cannot be started: then it is not the files' fault.
+        If processes cannot be started, whatever the files are.
     """
     workers: list[_Worker] = []
     local = threading.local()
@@ -110,7 +110,7 @@ def read_all(
 
 
 class _Worker:
-    """One reading process, started when it is needed and again after it died."""
+    """One reading process, started when it is needed and again after it has died."""
 
     def __init__(self, target: str) -> None:
         self._target = target
@@ -127,7 +127,7 @@ class _Worker:
             late.set()
             process.kill()
 
-        with suppress(OSError):  # the reader says it better
+        with suppress(OSError):  # the reader reports it better
             patience += PATIENCE_A_MB * request.path.stat().st_size / 1e6
         timer = threading.Timer(patience, give_up)
         timer.start()
@@ -161,7 +161,7 @@ class _Worker:
         return process
 
     def end(self) -> None:
-        """End the process, whatever it is doing."""
+        """Kill the process."""
         self._ended = True
         if self._process is not None:
             self._process.kill()
@@ -169,11 +169,11 @@ class _Worker:
 
 
 def _ask(process: subprocess.Popen[bytes], request: Request[Any]) -> Read:
-    """One request and its answer. Raises OSError or ValueError where the process dies over it."""
+    """Send one request and receive its result. Raises OSError or ValueError if the process dies."""
     assert process.stdin is not None
     assert process.stdout is not None
-    said = {"path": str(request.path), "fps": request.fps, "joint_map": request.joint_map}
-    process.stdin.write(json.dumps(said).encode() + b"\n")
+    message = {"path": str(request.path), "fps": request.fps, "joint_map": request.joint_map}
+    process.stdin.write(json.dumps(message).encode() + b"\n")
     process.stdin.flush()
     header = json.loads(process.stdout.readline())
     if "reason" in header:
@@ -184,7 +184,7 @@ def _ask(process: subprocess.Popen[bytes], request: Request[Any]) -> Read:
 
 
 def _wait(process: subprocess.Popen[bytes]) -> int:
-    """The exit code of a process that is ending; one that has only stopped answering is killed."""
+    """The exit code of a process that is ending; one that does not end is killed."""
     for pipe in (process.stdin, process.stdout):
         if pipe is not None:
             with suppress(OSError):
@@ -199,5 +199,5 @@ def _cause(code: int, patience: float | None) -> str:
     if patience is not None:
         return f"reading took more than {patience:.0f} s and was ended"
     if code == -signal.SIGKILL:
-        return "reading it was killed, perhaps for want of memory; cut it into shorter takes"
+        return "reading it was killed, perhaps because memory ran out; cut it into shorter takes"
     return f"reading it crashed ({signal.Signals(-code).name if code < 0 else f'exit code {code}'})"

@@ -1,4 +1,4 @@
-"""Bring a library under another model, from stored poses: no source file is opened."""
+"""Encode a library with another model, from stored poses: no source file is opened."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ def reencode(
 ) -> int:
     """Encode every clip and caption of a library again; how many clips.
 
-    The old vectors answer until the last new one is there, then all change at once. Ended early, a second call
-    goes on where the first one stopped.
+    The old vectors are searched until the last new one is there, then all change at once. Ended early, a second call
+    continues where the first one stopped.
 
     Parameters
     ----------

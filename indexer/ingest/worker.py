@@ -1,7 +1,7 @@
-"""The reading process: one request a line on stdin, one answer on stdout, until stdin ends.
+"""The reading process: one request a line on stdin, one response on stdout, until stdin ends.
 
-It begins with READY. A request is a JSON object with `path`, `fps` and `joint_map`; an answer a JSON line, followed
-by the joints as float32 bytes where it names `frames`. Files come from anywhere: what crashes or hangs here costs
+It begins with READY. A request is a JSON object with `path`, `fps` and `joint_map`; a response is a JSON line,
+followed by the joints as float32 bytes where it names `frames`. Files are not trusted: one that crashes or hangs costs
 one process.
 """
 
@@ -26,7 +26,7 @@ READY = b"ready\n"
 def read(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tuple[Motion, str]:
     """A file's motion and its rig: root joint, number of joints and four digits that tell namings apart.
 
-    A joint map that names joints which the file does not have is for other files: it is left aside.
+    A joint map that names joints which the file does not have is meant for other files and ignored.
 
     Raises
     ------
@@ -46,12 +46,12 @@ def read(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tupl
 
 
 def serve(target: str = "indexer.ingest.worker:read") -> None:
-    """Answer requests with a function named as "module:function", of the signature of `read`."""
+    """Serve requests with a function named as "module:function", of the signature of `read`."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's; it ends this process by closing stdin
     module, name = target.split(":")
     function = getattr(import_module(module), name)
     answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what a reader prints must not mix with the answers
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what a reader prints must not mix with the responses
     answers.write(READY)
     answers.flush()
     for line in sys.stdin.buffer:

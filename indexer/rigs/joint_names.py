@@ -1,4 +1,4 @@
-"""What a joint's name says: its side, and the roles in a body it may stand for.
+"""What a joint's name means: its side, and the roles in a body it may stand for.
 
 The words are data (`rigs/joint_names.json`); this file only takes names apart. A stem may stand for several roles:
 "shoulder" is the collar bone in one rig and the shoulder joint in another. `mapping` decides between them.
@@ -20,7 +20,7 @@ _TOKEN = re.compile(r"[A-Z]+(?![a-z])|[A-Z][a-z]+|[a-z]+|\d+|[^\W\d_a-zA-Z]+")
 
 
 class Name(NamedTuple):
-    """A joint's name, understood.
+    """The meaning of a joint's name.
 
     Attributes
     ----------

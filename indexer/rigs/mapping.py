@@ -1,7 +1,7 @@
-"""Which joint of a file is which joint of the body: names first, the shape of the tree where they tell nothing.
+"""Which joint of a file is which joint of the body: by name first, by the shape of the tree where names do not help.
 
 A rig names a limb's joints in its own way, but always in order from the trunk to the tip. So each name only
-proposes roles (`naming`), and the best assignment along a path of the tree that keeps the order decides.
+proposes roles (`joint_names`), and the best assignment along a path of the tree that keeps the order decides.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def map_names(take: Take) -> dict[str, int]:
 
 
 def _given(take: Take, path: str | PathLike[str], joint_map: Mapping[str, str]) -> dict[str, int]:
-    """What the user says, as landmarks."""
+    """The joints that a joint map names, as landmarks."""
     given: dict[str, int] = {}
     for target, name in joint_map.items():
         if target not in INDEX:

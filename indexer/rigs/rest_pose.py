@@ -1,4 +1,4 @@
-"""What a rig's rest pose says about its own build, so that it can be told from movement.
+"""What a rig's rest pose shows of its own build, so that it can be separated from movement.
 
 A person who stands in a T-pose stands so in every rig; but one rig draws the elbows bent by 17 degrees, the
 feet flat or pointed, the neck upright or forward. Where the rest pose shows a standing body, its difference
@@ -105,7 +105,7 @@ def _from_rest(body: Figure) -> Calibration:
 
 
 def _from_movement(figure: Figure) -> Calibration:
-    """What can be told without a rest pose: where the shoulders usually are, and how feet lie on the floor."""
+    """What movement shows without a rest pose: where the shoulders usually are, and how feet lie on the floor."""
     _, high = trunk_frames(figure)
     shoulders = _shoulders(high.swapaxes(-1, -2) @ _from_neck(figure), figure.leg_length())
     return Calibration(feet={side: _planted(figure, side) for side in SIDES}, shoulders=shoulders)

@@ -112,7 +112,7 @@ def _grid(frames: int, rate: float) -> NDArray[np.float64]:
 def frames_before_movement(figure: Figure, rest: Figure, rate: float) -> int:
     """How many first frames are no movement: a rest pose or T-pose, and the rush from there to the first real pose.
 
-    Nobody moves all limbs so fast at once; programs do, that put a pose for binding before the recording and
+    No person moves all limbs so fast at once; programs do that put a bind pose before the recording and
     smooth over the seam.
     """
     size = max(figure.leg_length(), 1e-9)

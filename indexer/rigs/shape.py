@@ -1,4 +1,4 @@
-"""The body in a skeleton whose names tell nothing: two pairs of like chains, one of them with a head above.
+"""The body in a skeleton whose names do not help: two pairs of similar chains, one of them with a head above.
 
 Legs and arms are pairs of chains of like bones that part from one joint; the legs' joint lies nearer to the
 root. In each chain the two longest bones in a row are the limb's. The side follows from where the figure

@@ -1,4 +1,4 @@
-"""One writer at a time: a lock that dies with its process and says who holds it."""
+"""One writer at a time: a lock that dies with its process and names its holder."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from encoders.errors import LibraryError, LibraryLocked
 def write_lock(folder: Path) -> Iterator[None]:
     """Hold the folder's write lock.
 
-    The lock is SQLite's own, on an empty database beside the library: the same on every system, and the
-    operating system lets go of it when the process ends, however it ends.
+    The lock is SQLite's own, on an empty database beside the library: it works the same on every system, and the
+    operating system releases it when the process ends, however it ends.
 
     Raises
     ------

@@ -25,7 +25,7 @@ def migration(step: Migration) -> Migration:
 
 @migration
 def m001_first_tables(db: Database) -> None:
-    """Files and clips, what they look like, what is said of them, and what a model makes of both."""
+    """Files, clips, poses and captions, and the vectors of clips and captions."""
     # identity: tells this library's derived files from those of one that lay here before;
     # generation: grows with every batch; model: whose vectors are searched.
     db.table("settings").create({"key": str, "value": int}, pk="key")
@@ -192,7 +192,7 @@ def _connect(path: Path, mode: str) -> sqlite3.Connection:
         try:
             connection.execute("PRAGMA user_version")
         except sqlite3.OperationalError:
-            # Where nobody can write, WAL's shared memory cannot be made; then nothing changes either.
+            # On a read-only disk WAL's shared memory cannot be created; then the file does not change either.
             connection.close()
             connection = sqlite3.connect(f"{uri}?immutable=1", uri=True, isolation_level=None, check_same_thread=False)
     return connection

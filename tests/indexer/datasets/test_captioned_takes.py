@@ -1,4 +1,4 @@
-"""Captioned takes: of one split and use only, with what was said where."""
+"""Captioned takes: of one split and use only, with the spans of its captions."""
 
 from __future__ import annotations
 

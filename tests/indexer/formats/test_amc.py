@@ -127,7 +127,7 @@ def test_a_bone_the_motion_leaves_out_keeps_its_rest(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("amc", "said"),
+    ("amc", "message"),
     [
         (AMC.replace("upper", "tail"), "no bone 'tail'"),
         (AMC.replace("lower 90\n", "lower"), "frame 2 is not laid out|cut short"),
@@ -142,12 +142,12 @@ def test_a_bone_the_motion_leaves_out_keeps_its_rest(tmp_path: Path) -> None:
         (AMC.replace("1\nroot", "root"), "frame number"),
     ],
 )
-def test_what_is_broken_in_the_motion_is_said(tmp_path: Path, amc: str, said: str) -> None:
-    assert re.search(said, reason(tmp_path, amc=amc))
+def test_what_is_broken_in_the_motion_is_named(tmp_path: Path, amc: str, message: str) -> None:
+    assert re.search(message, reason(tmp_path, amc=amc))
 
 
 @pytest.mark.parametrize(
-    ("asf", "said"),
+    ("asf", "message"),
     [
         (None, "skeleton is missing"),
         (ASF.split(":hierarchy")[0], "no :hierarchy"),
@@ -158,8 +158,8 @@ def test_what_is_broken_in_the_motion_is_said(tmp_path: Path, amc: str, said: st
         (ASF.replace("length 2", "length nan"), "length"),
     ],
 )
-def test_what_is_broken_in_the_skeleton_is_said(tmp_path: Path, asf: str | None, said: str) -> None:
-    assert said in reason(tmp_path, asf=asf)
+def test_what_is_broken_in_the_skeleton_is_named(tmp_path: Path, asf: str | None, message: str) -> None:
+    assert message in reason(tmp_path, asf=asf)
 
 
 def test_a_skeleton_alone_is_no_motion(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""BVH: the dialects that are read, and what is said about those that are not."""
+"""BVH: the dialects that are read, and what is reported of those that are not."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ def test_an_absurd_rate_is_named_unless_the_true_one_is_given(tmp_path: Path, fr
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         (lambda text: text.split("MOTION")[0], "no MOTION"),
         (lambda text: text.replace("Frames: 2", "Frames: 3"), "announces 3 frames but holds 2"),
@@ -159,8 +159,8 @@ def test_an_absurd_rate_is_named_unless_the_true_one_is_given(tmp_path: Path, fr
         (lambda text: text.replace("OFFSET 1 0 0", "OFFSET 1 0 nan"), "line 8"),
     ],
 )
-def test_what_is_broken_is_said(tmp_path: Path, change, said: str) -> None:  # type: ignore[no-untyped-def]
-    assert re.search(said, reason(tmp_path, change(ARM)))
+def test_what_is_broken_is_named(tmp_path: Path, change, message: str) -> None:  # type: ignore[no-untyped-def]
+    assert re.search(message, reason(tmp_path, change(ARM)))
 
 
 def test_a_header_with_countless_joints_is_refused(tmp_path: Path) -> None:

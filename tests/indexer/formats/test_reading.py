@@ -51,7 +51,7 @@ def test_arrays_of_joints(tmp_path: Path, count: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("data", "said"),
+    ("data", "message"),
     [
         (saved(np.zeros((5, 21, 3))), "shape"),
         (saved(np.zeros((0, 22, 3))), "shape"),
@@ -65,10 +65,10 @@ def test_arrays_of_joints(tmp_path: Path, count: int) -> None:
         (b"\x93NUMPY\x09\x09", "damaged"),
     ],
 )
-def test_arrays_that_are_no_motion(tmp_path: Path, data: bytes, said: str) -> None:
+def test_arrays_that_are_no_motion(tmp_path: Path, data: bytes, message: str) -> None:
     path = tmp_path / "a.npy"
     path.write_bytes(data)
-    assert re.search(said, reason(path))
+    assert re.search(message, reason(path))
 
 
 def archived(packed: bool = True, **arrays: np.ndarray | float) -> bytes:
@@ -90,7 +90,7 @@ def test_archives_of_joints_with_their_rate(tmp_path: Path, packed: bool, more: 
 
 
 @pytest.mark.parametrize(
-    ("data", "said"),
+    ("data", "message"),
     [
         (archived(poses=np.zeros((5, 156)), trans=np.zeros((5, 3))), "no array 'joints'.*but poses, trans"),
         (archived(joints=np.zeros((5, 21, 3))), "shape"),
@@ -105,11 +105,13 @@ def test_archives_of_joints_with_their_rate(tmp_path: Path, packed: bool, more: 
         (archived(joints=np.zeros((1000, 22, 3))), "larger than"),
     ],
 )
-def test_archives_that_are_no_motion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, data: bytes, said: str) -> None:
+def test_archives_that_are_no_motion(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, data: bytes, message: str
+) -> None:
     monkeypatch.setattr(npz, "MAX_BYTES", 100_000)
     path = tmp_path / "a.npz"
     path.write_bytes(data)
-    assert re.search(said, reason(path))
+    assert re.search(message, reason(path))
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -125,7 +127,7 @@ def test_a_damaged_archive_is_refused_or_read(tmp_path: Path, seed: int) -> None
 
 
 @pytest.mark.parametrize(
-    ("name", "data", "said"),
+    ("name", "data", "message"),
     [
         ("a.bvh", b"", "empty"),
         ("a.bvh", b" \n\n", "empty"),
@@ -140,11 +142,11 @@ def test_a_damaged_archive_is_refused_or_read(tmp_path: Path, seed: int) -> None
         ("a.npy", b"hello", "cannot be read|NumPy"),
     ],
 )
-def test_what_cannot_be_read_says_what_can(tmp_path: Path, name: str, data: bytes, said: str) -> None:
+def test_what_cannot_be_read_says_what_can(tmp_path: Path, name: str, data: bytes, message: str) -> None:
     path = tmp_path / name
     path.write_bytes(data)
     found = reason(path)
-    assert re.search(said, found)
+    assert re.search(message, found)
     if "cannot be read" in found and "BVH" not in found:
         assert all(ending in found for ending in READABLE)
 

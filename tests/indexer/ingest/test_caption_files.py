@@ -1,4 +1,4 @@
-"""Side files: what is taken as a caption, and what is told about the rest."""
+"""Side files: what is taken as a caption, and the warnings about the rest."""
 
 import pytest
 
@@ -71,7 +71,7 @@ def test_lines_of_json(table):
         ("a.bvh," + "x" * 3000 + ",,,", "3000 characters are more than 2000"),
     ],
 )
-def test_a_bad_row_is_told_with_its_line_and_the_rest_goes_on(table, line, reason):
+def test_a_bad_row_is_reported_with_its_line_and_the_rest_is_read(table, line, reason):
     rows, warnings = table(f"path,text,start,end,fps\ngood.bvh,walks,,,\n{line}\nlast.bvh,runs,,,\n")
     assert [row.path for row in rows] == ["good.bvh", "last.bvh"]
     assert len(warnings) == 1
@@ -83,20 +83,20 @@ def test_a_bad_row_is_told_with_its_line_and_the_rest_goes_on(table, line, reaso
     ("line", "reason"),
     [("{", "no JSON"), ("[1]", "is expected"), ('{"path": "a", "text": "b", "start": true, "end": 2}', "is no number")],
 )
-def test_a_bad_line_of_json_is_told(table, line, reason):
+def test_a_bad_line_of_json_is_reported(table, line, reason):
     rows, warnings = table(line + '\n{"path": "a.bvh", "text": "walks"}\n', "captions.jsonl")
     assert [row.path for row in rows] == ["a.bvh"]
     assert warnings[0].startswith(", line 1: ")
     assert reason in warnings[0]
 
 
-def test_a_table_without_its_header_is_told(table):
+def test_a_table_without_its_header_is_reported(table):
     rows, warnings = table("a.bvh,a person walks\n")
     assert rows == []
     assert "the first line must name the columns" in warnings[0]
 
 
-def test_bytes_that_are_no_text_are_told(table):
+def test_bytes_that_are_no_text_are_reported(table):
     rows, warnings = table(b"path,text\na.bvh,\xff\xfe\nb.bvh,walks\n")
     assert [row.path for row in rows] == ["b.bvh"]
     assert "line 2: it is not UTF-8" in warnings[0]

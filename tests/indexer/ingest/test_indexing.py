@@ -138,7 +138,7 @@ def test_two_files_that_swap_their_names_are_read_again(root, bundle):
         assert np.abs(library.motion(library.find("b").id).joints - moving(1)).max() < 1e-3
 
 
-def test_a_vanished_file_answers_no_more_and_comes_back_as_it_was(root, bundle, read_here):
+def test_a_vanished_file_is_not_found_and_comes_back_as_it_was(root, bundle, read_here):
     (root / "captions.csv").write_text("path,text\na.npy,a person walks\n")
     index(root, bundle=bundle)
     number = paths(root)["a.npy"]
@@ -217,7 +217,7 @@ def test_hidden_files_links_and_other_endings_are_passed_over(root, bundle, tmp_
     assert all("symbolic links are not followed" in warning for warning in summary.warnings)
 
 
-def test_a_failure_is_remembered_and_tried_again_only_when_it_changed(root, bundle, read_here):
+def test_a_failure_is_recorded_and_tried_again_only_when_the_file_changed(root, bundle, read_here):
     (root / "bad.npy").write_text("no motion")
     (root / "scene.fbx").write_bytes(b"Kaydara FBX Binary")
     first = index(root, bundle=bundle)
@@ -235,7 +235,7 @@ def test_a_failure_is_remembered_and_tried_again_only_when_it_changed(root, bund
         assert len(library.failures()) == 1
 
 
-def test_a_clip_whose_file_breaks_is_gone_and_the_failure_told(root, bundle):
+def test_a_clip_whose_file_breaks_is_gone_and_the_failure_reported(root, bundle):
     index(root, bundle=bundle)
     content = (root / "a.npy").read_bytes()
     (root / "a.npy").write_text("broken")
@@ -307,7 +307,7 @@ def test_a_caption_waits_for_a_motion_that_comes_later(root, bundle):
         assert library.caption_vectors()[0] == ["a person jumps"]
 
 
-def test_the_frame_rate_of_a_table_goes_before_the_one_asked_for(root, bundle, read_here):
+def test_the_frame_rate_of_a_table_takes_precedence_over_the_option(root, bundle, read_here):
     (root / "day 1" / "captions.csv").write_text("path,fps\nc.npy,40\n")
     index(root, bundle=bundle, fps=10)
     with StoredLibrary.open(root, bundle=bundle) as library:
@@ -319,7 +319,7 @@ def test_the_frame_rate_of_a_table_goes_before_the_one_asked_for(root, bundle, r
     assert read_here == ["day 1/c.npy"]
 
 
-def test_what_was_said_of_files_need_not_be_said_again(root, bundle, read_here):
+def test_options_given_for_files_need_not_be_given_again(root, bundle, read_here):
     index(root, bundle=bundle, fps=10, joint_map={"head": "Kopf"})
     read_here.clear()
     (root / "a.npy").rename(root / "moved.npy")
@@ -370,10 +370,10 @@ def test_an_empty_folder_and_odd_names_are_fine(tmp_path, bundle, read_here):
 
 
 def test_progress_counts_up_to_what_there_is_to_do(root, bundle):
-    told = []
-    index(root, bundle=bundle, progress=lambda *said: told.append(said))
-    assert told[0] == (0, 3, "")
-    assert told[-1][:2] == (3, 3)
+    calls = []
+    index(root, bundle=bundle, progress=lambda *state: calls.append(state))
+    assert calls[0] == (0, 3, "")
+    assert calls[-1][:2] == (3, 3)
 
 
 def test_one_writer_at_a_time_and_it_is_named(root, bundle):
@@ -445,9 +445,9 @@ def test_reencoding_needs_no_source_file(root, bundle, tmp_path):
     for path in root.rglob("*.npy"):
         path.rename(path.with_suffix(".away"))
     other = SmallBundle("other", latent_size=24)
-    told = []
-    assert reencode(root, other, progress=lambda *said: told.append(said)) == 2
-    assert told[-1][:2] == (2, 2)
+    calls = []
+    assert reencode(root, other, progress=lambda *state: calls.append(state)) == 2
+    assert calls[-1][:2] == (2, 2)
     with StoredLibrary.open(root, bundle=other) as library:
         clip = library.find("a")
         scores, ids = library.nearest_clips(other.encode_motions([library.motion(clip.id)]), 5)
@@ -459,7 +459,7 @@ def test_reencoding_needs_no_source_file(root, bundle, tmp_path):
         StoredLibrary.open(root, bundle=bundle)
 
 
-def test_reencoding_that_is_cut_off_leaves_the_old_answers_and_goes_on(root, bundle, monkeypatch):
+def test_reencoding_that_is_cut_off_leaves_the_old_vectors_and_continues(root, bundle, monkeypatch):
     index(root, bundle=bundle)
     monkeypatch.setattr("indexer.ingest.reencode._BATCH_CLIPS", 1)
     other, encoded = SmallBundle("other"), []
@@ -496,9 +496,9 @@ KILLED = """
     from indexer.ingest import indexing
     from tests.indexer.folders import SmallBundle
     indexing._BATCH_FILES = 2
-    def told(done, total, path):
+    def report(done, total, path):
         print(done, flush=True)
-    indexing.index(sys.argv[1], bundle=SmallBundle(), jobs=1, progress=told)
+    indexing.index(sys.argv[1], bundle=SmallBundle(), jobs=1, progress=report)
 """
 
 

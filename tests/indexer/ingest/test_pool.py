@@ -58,7 +58,7 @@ def test_a_motion_comes_back_as_it_was_read():
         pytest.param("crash", r"reading it crashed \(SIGSEGV\)", marks=pytest.mark.skipif(os.name == "nt", reason="")),
     ],
 )
-def test_a_file_that_cannot_be_read_is_told_and_the_rest_goes_on(name, reason):
+def test_a_file_that_cannot_be_read_is_reported_and_the_rest_is_read(name, reason):
     found = read(["1", name, "2"])
     assert found[name].motion is None
     import re

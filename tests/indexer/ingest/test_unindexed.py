@@ -1,4 +1,4 @@
-"""Recall: a file that is no clip is read at the frame rate that its library was told of."""
+"""Reading an unindexed file, at the frame rate that its library knows for it."""
 
 import shutil
 
@@ -47,7 +47,7 @@ def test_a_file_that_names_no_rate_is_read_as_all_others_of_its_skeleton(root, t
     assert duration(root, stranger) == 4, "where the others differ, they say nothing"
 
 
-def test_what_is_said_now_goes_before_what_was(root, tmp_path):
+def test_a_rate_that_is_given_takes_precedence(root, tmp_path):
     index(root, bundle=SmallBundle(), jobs=1, fps=10)
     assert duration(root, shutil.copy(root / "1.npy", tmp_path / "copy.npy")) == 8
     assert duration(root, tmp_path / "copy.npy", fps=20) == 4

@@ -59,7 +59,7 @@ def test_opening_a_folder_without_a_library_says_what_to_do(tmp_path):
         StoredLibrary.open(tmp_path)
 
 
-def test_an_empty_library_answers(tmp_path):
+def test_an_empty_library_can_be_searched(tmp_path):
     with StoredLibrary.open(tmp_path / "new", create=True) as library:
         assert len(library) == 0
         assert library.ids().tolist() == []
@@ -124,7 +124,7 @@ def test_a_span_outside_the_motion_is_an_error(library, span):
         library.motion(library.find("other/turn.npy").id, *span)
 
 
-def test_captions_keep_their_spans_and_are_said_once(library):
+def test_captions_keep_their_spans_and_appear_once(library):
     assert library.captions(library.find("sub/turn.npy").id) == [Caption("turns left", 1.0, 2.0)]
     walks = library.captions(library.find("walk").id)
     assert sorted(c.text for c in walks) == ["a person walks", "someone goes ahead"]
@@ -297,7 +297,7 @@ def test_migrations_run_once_and_in_order(tmp_path, monkeypatch):
     assert ran == ["second"]
 
 
-def test_a_closed_library_answers_no_more(folder):
+def test_a_closed_library_fails(folder):
     library = StoredLibrary.open(folder)
     library.close()
     with pytest.raises(LibraryError, match="is closed"):
