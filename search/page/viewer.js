@@ -139,8 +139,8 @@ export class Viewer {
   #showInfo(info) {
     document.title = `${info.name} – motionseek`;
     byId("viewer-title").textContent = info.name;
-    byId("viewer-file").textContent = info.path;
-    const facts = { Duration: clock(info.duration), Frames: `${info.frames} at ${+info.fps.toFixed(2)} fps`, Format: info.format, Rig: info.rig, ...(info.root && { Clip: `#${info.clip}`, Folder: info.root }) };
+    byId("viewer-file").textContent = info.root ? `#${info.clip} · ${info.root} · ${info.path}` : info.path;
+    const facts = { Duration: clock(info.duration), Frames: `${info.frames} at ${+info.fps.toFixed(2)} fps`, Format: info.format, Rig: info.rig };
     byId("viewer-facts").replaceChildren(...Object.entries(facts).flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]));
     const captions = (info.captions ?? []).slice(0, 6).map(({ text, start, end }) =>
       el("blockquote", {}, text, start === null ? null : el("small", {}, ` ${start.toFixed(1)}–${(end ?? info.duration).toFixed(1)} s`)));

@@ -7,12 +7,13 @@ of them cannot change it, and the scores of a batch of added rows for all cached
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
 from collections.abc import Hashable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from search.server.lru_cache import LruCache
 
 Vectors = NDArray[np.float32]
 
@@ -39,8 +40,7 @@ class AnswerCache:
 
     def __init__(self, generation: int, size: int = 4096) -> None:
         self._generation = generation
-        self._size = size
-        self._answers: OrderedDict[Hashable, tuple[bytes, StaleCriterion]] = OrderedDict()
+        self._answers: LruCache[tuple[bytes, StaleCriterion]] = LruCache(size)
         self._lock = threading.Lock()
 
     def __len__(self) -> int:
@@ -48,21 +48,14 @@ class AnswerCache:
 
     def get(self, key: Hashable) -> bytes | None:
         """The cached answer, else None."""
-        with self._lock:
-            if key not in self._answers:
-                return None
-            self._answers.move_to_end(key)
-            return self._answers[key][0]
+        cached = self._answers.get(key)
+        return None if cached is None else cached[0]
 
     def put(self, key: Hashable, answer: bytes, criterion: StaleCriterion, generation: int) -> None:
         """Cache an answer computed at a generation; ignored where the library has changed since."""
         with self._lock:
-            if generation != self._generation:
-                return
-            self._answers[key] = answer, criterion
-            self._answers.move_to_end(key)
-            while len(self._answers) > self._size:
-                self._answers.popitem(last=False)
+            if generation == self._generation:
+                self._answers.put(key, (answer, criterion))
 
     def clear(self, generation: int) -> None:
         """Invalidate all answers; those to come are of `generation`."""
@@ -88,10 +81,7 @@ class AnswerCache:
         queries = np.stack([criterion.query for _, criterion in cached])
         thresholds = np.array([criterion.threshold for _, criterion in cached])
         stale = _best_scores(queries, added) >= thresholds
-        with self._lock:
-            for (key, _), is_stale in zip(cached, stale.tolist(), strict=True):
-                if is_stale:
-                    self._answers.pop(key, None)
+        self._answers.drop(key for (key, _), is_stale in zip(cached, stale.tolist(), strict=True) if is_stale)
 
 
 def _best_scores(queries: Vectors, rows: Vectors) -> Vectors:

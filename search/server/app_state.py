@@ -15,7 +15,7 @@ from starlette.exceptions import HTTPException
 from indexer.store.clips import Clip
 from search.hits import Hits
 from search.query.question import EncodedQuestion, Question
-from search.server.cache import Cache
+from search.server.lru_cache import LruCache
 from search.server.microbatching import MicroBatcher, ServerBusy
 from search.server.prometheus import Metrics
 from search.server.snapshot_library import SearchRequest, SnapshotLibrary
@@ -42,7 +42,7 @@ class AppState:
         self.search_batches: MicroBatcher[SearchRequest, Hits] = MicroBatcher(
             library.search_all, workers=_SEARCH_WORKERS, max_batch=2
         )
-        self._responses: Cache[bytes] = Cache(_CACHED_RESPONSES)
+        self._responses: LruCache[bytes] = LruCache(_CACHED_RESPONSES)
         self._slow = anyio.CapacityLimiter(_SLOW_AT_ONCE)
 
     def close(self) -> None:

@@ -25,7 +25,7 @@ from search.library import Library
 from search.query.encoding import encode_queries
 from search.query.question import EncodedQuestion, Question
 from search.server.answer_cache import AnswerCache, StaleCriterion
-from search.server.cache import Cache
+from search.server.lru_cache import LruCache
 
 Ids = NDArray[np.int64]
 Vectors = NDArray[np.float32]
@@ -74,10 +74,10 @@ class SnapshotLibrary(Library):
     def __init__(self, folder: Path, *, bundle: Encoder | None = None) -> None:
         super().__init__(folder, bundle=bundle)
         self._error: MotionSeekError | None = None
-        self._query_cache: Cache[Vectors] = Cache(16_384)
-        self._id_cache: Cache[Ids] = Cache(64)
-        self._clip_cache: Cache[Clip] = Cache(20_000)
-        self._caption_cache: Cache[list[Caption]] = Cache(20_000)
+        self._query_cache: LruCache[Vectors] = LruCache(16_384)
+        self._id_cache: LruCache[Ids] = LruCache(64)
+        self._clip_cache: LruCache[Clip] = LruCache(20_000)
+        self._caption_cache: LruCache[list[Caption]] = LruCache(20_000)
         self._snapshot = self._take_snapshot()
         self.answer_cache = AnswerCache(self._snapshot.generation)
         self._refreshing = threading.Lock()

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import secrets
 import tempfile
-import threading
-from collections import OrderedDict
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,6 +18,7 @@ from starlette.requests import ClientDisconnect, Request
 from indexer.formats.table import READABLE
 from indexer.ingest import pool
 from search.server.exception_handlers import BUSY
+from search.server.lru_cache import LruCache
 from search.server.sandboxed_reader import READ
 from search.source import MotionSource
 
@@ -67,17 +66,17 @@ class UploadStore:
 
     def __init__(self, limits: UploadLimits | None = None) -> None:
         self._limits = limits or UploadLimits()
-        self._uploads: OrderedDict[str, Upload] = OrderedDict()
-        self._lock = threading.Lock()
+        self._uploads: LruCache[Upload] = LruCache(
+            self._limits.kept,
+            weight=lambda upload: upload.source.motion.joints.nbytes,
+            max_weight=self._limits.kept_bytes,
+        )
         self._running = 0
         self.rejected = 0
 
     def get(self, key: str) -> Upload | None:
         """An upload that is still kept, else None."""
-        with self._lock:
-            if key in self._uploads:
-                self._uploads.move_to_end(key)
-            return self._uploads.get(key)
+        return self._uploads.get(key)
 
     async def receive(self, request: Request, name: str) -> Upload:
         """Receive and read the body of a request as a motion file called `name`.
@@ -128,19 +127,8 @@ class UploadStore:
             raise HTTPException(422, f"{name}: {read.reason.replace(str(path), name)}")
         source = MotionSource.of_motion(read.motion, name)
         upload = Upload(f"u{secrets.token_hex(16)}", source, path.suffix.removeprefix("."), read.rig)
-        self._keep(upload)
+        self._uploads.put(upload.key, upload)
         return upload
-
-    def _keep(self, upload: Upload) -> None:
-        with self._lock:
-            self._uploads[upload.key] = upload
-            while len(self._uploads) > 1 and (
-                len(self._uploads) > self._limits.kept or self._bytes() > self._limits.kept_bytes
-            ):
-                self._uploads.popitem(last=False)
-
-    def _bytes(self) -> int:
-        return sum(upload.source.motion.joints.nbytes for upload in self._uploads.values())
 
 
 async def _write(request: Request, file: IO[bytes], limit: int, too_large: HTTPException) -> None:

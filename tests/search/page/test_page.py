@@ -1,4 +1,4 @@
-"""What people do on the page, done in a browser."""
+"""The page in a browser."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def _number(page, slider):
     return float(page.locator(slider).get_attribute("aria-valuenow"))
 
 
-def test_results_appear_as_one_pauses_and_the_address_names_them(opened):
+def test_results_appear_after_typing_and_the_url_names_them(opened):
     page = opened()
     assert page.locator(_CARDS).count() == 5
     with page.expect_response(re.compile("api/search")) as answer:
@@ -84,7 +84,7 @@ def test_results_appear_as_one_pauses_and_the_address_names_them(opened):
     assert page.locator("#q").input_value() == ""
 
 
-def test_a_slow_answer_to_an_older_question_is_dropped(opened):
+def test_a_slow_response_to_an_older_query_is_dropped(opened):
     page = opened()
     late = []
     page.route(re.compile("q=old"), lambda route: late.append(route))
@@ -106,7 +106,7 @@ def test_figures_are_drawn_and_move(opened):
     assert _drawn(page, ".card .stage")[1] != before
 
 
-def test_nothing_moves_by_itself_where_people_asked_for_less_motion(opened):
+def test_nothing_plays_by_itself_with_reduced_motion(opened):
     page = opened()
     page.wait_for_selector("#grid li:first-child .stage:not(.loading)")
     page.wait_for_timeout(500)
@@ -139,7 +139,7 @@ def test_a_moment_is_marked_and_takes_the_in_and_out_points(opened):
     assert "ask" not in _state(page)
 
 
-def test_in_and_out_points_are_dragged_and_kept_in_the_address(opened):
+def test_in_and_out_points_are_dragged_and_kept_in_the_url(opened):
     page = opened("clip=1")
     page.wait_for_selector("#viewer-facts dt")
     box, handle = page.locator(".ruler").bounding_box(), page.locator("#timeline .in").bounding_box()
@@ -162,7 +162,7 @@ def test_the_cut_is_exported(opened, ending):
     assert Path(download.value.path()).stat().st_size > 500
 
 
-def test_a_dropped_file_is_described_and_finds_what_is_like_it(opened, tmp_path):
+def test_a_dropped_file_is_described_and_finds_similar_clips(opened, tmp_path):
     page = opened()
     with (tmp_path / "mine.bvh").open("wb") as file:
         bvh_writer.write(file, made_motion(3.0, 5))
@@ -180,7 +180,7 @@ def test_a_dropped_file_is_described_and_finds_what_is_like_it(opened, tmp_path)
     _until(page, "document.querySelector('#status').innerText.includes('Similar to')")
 
 
-def test_a_file_that_is_no_motion_is_refused_in_words(opened):
+def test_a_file_that_is_no_motion_shows_the_error(opened):
     page = opened()
     page.locator("#file").set_input_files({"name": "bad.bvh", "mimeType": "text/plain", "buffer": b"HIERARCHY\nROOT"})
     page.wait_for_selector("#status:has-text('bad.bvh:')")
@@ -223,7 +223,7 @@ def test_an_empty_library_says_what_to_do(opened, tmp_path, bundle):
         assert "motionseek index" in page.locator("#notice").inner_text()
 
 
-def test_answers_that_are_all_weak_are_called_so(opened):
+def test_hits_that_are_all_weak_are_no_good_match(opened):
     page = opened()
     weak = {"rank": 1, "path": "a.bvh", "score": 0.1, "strength": "weak", "start": 0, "end": 1, "duration": 2,
             "caption": "", "clip": 1}  # fmt: skip
@@ -233,7 +233,7 @@ def test_answers_that_are_all_weak_are_called_so(opened):
     assert page.locator(".strength").inner_text() == "weak"
 
 
-def test_an_error_is_told_and_can_be_tried_again(opened):
+def test_an_error_is_shown_and_can_be_retried(opened):
     page = opened()
     page.route(re.compile("api/search"), lambda route: route.fulfill(status=503, json={"error": "busy"}))
     page.locator("#q").fill("walks")
@@ -260,7 +260,7 @@ def test_script_in_captions_and_names_stays_text(opened, tmp_path, bundle):
         assert "owned" not in page.title()
 
 
-def test_the_map_shows_clips_under_the_pointer_and_picks_by_lasso(opened):
+def test_the_map_shows_clips_under_the_pointer_and_selects_by_lasso(opened):
     page = opened("view=map")
     page.wait_for_selector("#labels li")
     page.locator("#points").focus()
@@ -278,7 +278,7 @@ def test_the_map_shows_clips_under_the_pointer_and_picks_by_lasso(opened):
     assert len(_state(page)["ids"].split(",")) == 5
 
 
-def test_points_are_picked_by_rectangle_by_label_and_by_keys(opened):
+def test_points_are_selected_by_rectangle_by_label_and_by_keys(opened):
     page = opened("view=map")
     page.wait_for_selector("#labels li")
     box = page.locator("#points").bounding_box()
@@ -303,7 +303,7 @@ def test_points_are_picked_by_rectangle_by_label_and_by_keys(opened):
     assert not page.locator("#selected").is_visible()
 
 
-def test_what_is_alike_goes_on_and_a_rig_narrows_it(opened, tmp_path, bundle):
+def test_similar_clips_have_pages_and_a_rig_filters_them(opened, tmp_path, bundle):
     for i in range(27):
         np.save(tmp_path / f"{i:02}.npy", made_motion(1.0, i).joints)
     with (tmp_path / "other.bvh").open("wb") as file:
@@ -354,7 +354,7 @@ def test_the_time_line_of_a_long_take_is_zoomed_and_follows_the_head(opened, tmp
         assert at == pytest.approx(1 / 4, abs=0.01)  # what was under the pointer still is
 
 
-def test_filters_narrow_the_answers_and_travel_in_the_link(opened):
+def test_filters_narrow_the_results_and_are_kept_in_the_url(opened):
     page = opened("q=walks&min=7")
     assert page.locator(_CARDS).count() == 2
     assert page.locator("#filter-count").inner_text() == "(1)"

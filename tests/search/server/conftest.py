@@ -1,4 +1,4 @@
-"""A served library and somebody who asks it."""
+"""A served library and its client."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ def bundle(tiny_bundle: Path) -> Bundle:
 
 @pytest.fixture(scope="session")
 def client(indexed: Path, bundle: Bundle) -> Iterator[TestClient]:
-    """Asks the server of the indexed takes. The library is not to be changed."""
+    """A client of a server of the indexed takes. The library is not to be changed."""
     app = create_app(SnapshotLibrary.open(indexed, bundle=bundle))
-    with TestClient(app, base_url="http://127.0.0.1:8420") as asking:
-        yield asking
+    with TestClient(app, base_url="http://127.0.0.1:8420") as found:
+        yield found
 
 
 @pytest.fixture
 def served(indexed: Path, bundle: Bundle, tmp_path: Path) -> Iterator[Callable[..., TestClient]]:
-    """Makes further servers, each of a copy of the indexed takes in `tmp_path / "takes"`."""
+    """Makes clients of further servers, each of a copy of the indexed takes in `tmp_path / "takes"`."""
     with ExitStack() as stack:
 
         def make(*, raise_server_exceptions: bool = True, **options: Any) -> TestClient:
@@ -54,7 +54,7 @@ def served(indexed: Path, bundle: Bundle, tmp_path: Path) -> Iterator[Callable[.
 
 @pytest.fixture(scope="session")
 def ask(client: TestClient) -> Asked:
-    """The JSON of a good answer."""
+    """The JSON of a successful response."""
 
     def asked(url: str, **parameters: Any) -> Any:
         response = client.get(url, params=parameters)

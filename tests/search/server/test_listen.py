@@ -57,7 +57,7 @@ def _free_port() -> int:
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows sends no SIGINT to one process")
-def test_it_says_where_it_is_answers_and_ends_at_ctrl_c(started):
+def test_the_server_prints_its_url_and_stops_at_ctrl_c(started):
     port = _free_port()
     with started("--port", str(port)) as (process, line):
         assert f"http://127.0.0.1:{port}/" in line
@@ -70,7 +70,7 @@ def test_it_says_where_it_is_answers_and_ends_at_ctrl_c(started):
 
 
 @pytest.mark.slow
-def test_a_body_that_trickles_in_holds_nobody_up(started):
+def test_a_slow_upload_does_not_block_others(started):
     port = _free_port()
     with started("--port", str(port)) as _, socket.create_connection(("127.0.0.1", port)) as slow:
         slow.sendall(b"POST /api/describe?name=x.bvh HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 1000\r\n\r\nHIER")
@@ -80,7 +80,7 @@ def test_a_body_that_trickles_in_holds_nobody_up(started):
         assert time.monotonic() - began < 5
 
 
-def test_a_port_in_use_is_said(run, indexed):
+def test_a_port_in_use_is_an_error(run, indexed):
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))
         other.listen()
@@ -99,25 +99,25 @@ def test_without_a_port_the_next_free_one_is_taken(monkeypatch):
         assert second.getsockname()[1] > running.PORT
 
 
-def test_where_none_is_free_all_that_were_tried_are_said(monkeypatch):
+def test_the_error_names_all_ports_that_were_tried(monkeypatch):
     monkeypatch.setattr(running, "_MORE_PORTS", 1)
     monkeypatch.setattr(running, "PORT", _free_port())
     with listen("127.0.0.1", None), pytest.raises(PortTaken, match=f"ports {running.PORT} to {running.PORT}"):
         listen("127.0.0.1", None)
 
 
-def test_an_address_that_is_not_ours_is_said(run, indexed):
+def test_an_address_of_another_computer_is_an_error(run, indexed):
     ran = run("serve", indexed, "--host", "192.0.2.1", "--token", "x" * 16, "--port", 8420)
     assert (ran.code, "192.0.2.1" in ran.err) == (1, True)
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.0.7", "studio.example"])
-def test_others_are_let_in_with_a_token_alone(run, indexed, host):
+def test_other_computers_need_a_token(run, indexed, host):
     ran = run("serve", indexed, "--host", host)
     assert (ran.code, "--token" in ran.err) == (2, True)
 
 
-def test_the_link_it_prints_lets_one_in(started):
+def test_the_printed_link_signs_in(started):
     port = _free_port()
     with started("--port", str(port), "--token", "q3J+8kd/Zm1&PqTy%#aBc9w==") as (_, line):
         asking = urllib.request.Request(line.split(" at ")[1].split()[0])
@@ -127,7 +127,7 @@ def test_the_link_it_prints_lets_one_in(started):
 
 
 @pytest.mark.parametrize("token", ["sixteen letters and spaces", "schlüsselwörter-1234"])
-def test_a_token_that_no_header_can_carry_is_refused(run, indexed, token):
+def test_a_token_that_fits_no_header_is_refused(run, indexed, token):
     ran = run("serve", indexed, "--token", token)
     assert (ran.code, "ASCII" in ran.err) == (2, True)
 
@@ -137,7 +137,7 @@ def test_a_short_token_is_refused(run, indexed):
     assert (ran.code, "16" in ran.err) == (2, True)
 
 
-def test_a_folder_without_a_library_is_said(run, tmp_path):
+def test_a_folder_without_a_library_is_an_error(run, tmp_path):
     ran = run("serve", tmp_path)
     assert (ran.code, "motionseek index" in ran.err) == (1, True)
 

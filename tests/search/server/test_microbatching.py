@@ -8,7 +8,6 @@ from collections.abc import Sequence
 
 import pytest
 
-from search.server.cache import Cache
 from search.server.microbatching import MicroBatcher, ServerBusy
 
 
@@ -85,14 +84,3 @@ def test_a_full_queue_rejects():
         assert len(refused) >= 36
 
     asyncio.run(asked())
-
-
-def test_the_cache_forgets_what_was_used_least_lately():
-    cache: Cache[int] = Cache(2)
-    cache.put("a", 1)
-    cache.put("b", 2)
-    cache.get("a")
-    cache.put("c", 3)
-    assert (cache.get("a"), cache.get("b"), cache.get("c"), len(cache)) == (1, None, 3, 2)
-    assert cache.get_or("a", lambda: 9) == 1
-    assert cache.get_or("d", lambda: 9) == 9

@@ -1,4 +1,4 @@
-"""Every route: what it answers, and that it is what the command line says."""
+"""Every route: its response, and that it equals the command line's."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_search_answers_what_the_command_line_does(ask, run, indexed, number):
     assert _without_clip(found) == said
 
 
-def test_search_goes_on_where_it_stopped(ask):
+def test_pages_of_a_search_make_up_one_ranking(ask):
     whole = ask("/api/search", q="waves", k=5)["hits"]
     parts = [ask("/api/search", q="waves", k=2, offset=offset)["hits"] for offset in (0, 2, 4)]
     assert [hit for part in parts for hit in part] == whole
@@ -54,7 +54,7 @@ def test_search_goes_on_where_it_stopped(ask):
         ("moments", {"q": "walks, then waves"}),
     ],
 )
-def test_pages_of_what_is_alike_and_of_moments_make_up_one_ranking(ask, number, route, given):
+def test_pages_of_similar_clips_and_moments_make_up_one_ranking(ask, number, route, given):
     of = {"clip": number(LONG)} if route == "similar" or "clip" in given else {}
     whole = ask(f"/api/{route}", k=50, **given | of)["hits"]
     parts = [ask(f"/api/{route}", k=2, offset=offset, **given | of)["hits"] for offset in range(0, len(whole), 2)]
@@ -62,7 +62,7 @@ def test_pages_of_what_is_alike_and_of_moments_make_up_one_ranking(ask, number, 
     assert len({(hit["path"], hit["start"], hit["end"]) for hit in whole}) == len(whole) > 0
 
 
-def test_what_is_like_a_cut_goes_on_where_it_stopped(ask, number):
+def test_pages_of_clips_similar_to_a_span_make_up_one_ranking(ask, number):
     of = {"clip": number(LONG), "start": 1, "end": 3}
     parts = [ask("/api/similar", k=1, offset=offset, **of)["hits"] for offset in (0, 1, 2)]
     assert [hit["rank"] for part in parts for hit in part] == [1, 2, 3]
@@ -101,7 +101,7 @@ def test_moments_in_the_library_answer_what_the_command_line_does(ask, run, inde
     assert _without_clip(found) == run("moments", "walks", "-k", "3", "--library", indexed, "--json").document
 
 
-def test_moments_take_explicit_steps_and_things_at_once(ask, number):
+def test_moments_take_explicit_steps_and_simultaneous_actions(ask, number):
     steps = ask("/api/moments", then=["walks", "waves"], clip=number(LONG))
     assert (steps["how"], steps["sentences"]) == ("then", ["walks", "waves"])
     assert [step["text"] for step in steps["hits"][0]["steps"]] == ["walks", "waves"]
@@ -183,7 +183,7 @@ def test_joints_are_sent_again_only_when_they_changed(client, number):
 
 
 @pytest.mark.parametrize(("start", "begin"), [(1.0, 1.0), (1.02, 1.0), (1.03, 1.05), (19.99, 19.95)])
-def test_joints_say_at_which_frame_they_begin(client, number, start, begin):
+def test_joints_state_the_time_of_their_first_frame(client, number, start, begin):
     cut, said = joints_binary.unpack(client.get(f"/api/motions/{number(LONG)}/joints", params={"start": start}).content)
     assert said == pytest.approx(begin)
     whole, _ = joints_binary.unpack(client.get(f"/api/motions/{number(LONG)}/joints").content)
@@ -259,7 +259,7 @@ def test_health_and_metrics(client):
     assert all(line.startswith("#") or name.fullmatch(line) for line in lines)
 
 
-def test_the_page_or_an_error_in_words(client):
+def test_the_page_or_an_error(client):
     response = client.get("/")
     assert response.status_code in (200, 404)
     kind = "text/html; charset=utf-8" if response.status_code == 200 else "application/json"
@@ -288,7 +288,7 @@ def test_the_page_or_an_error_in_words(client):
         "/api/export?clip=1&start=500",
     ],
 )
-def test_what_makes_no_sense_is_said_in_words(client, url):
+def test_invalid_arguments_are_422(client, url):
     response = client.get(url)
     assert response.status_code == 422, response.text
     assert list(response.json()) == ["error"]
@@ -298,7 +298,7 @@ def test_what_makes_no_sense_is_said_in_words(client, url):
 @pytest.mark.parametrize(
     "url", ["/api/motions/999", "/api/describe?clip=999", "/api/moments?q=walks&clip=u" + "0" * 32, "/api/nothing"]
 )
-def test_what_is_not_there_is_404(client, url):
+def test_unknown_clips_and_routes_are_404(client, url):
     response = client.get(url)
     assert (response.status_code, list(response.json())) == (404, ["error"])
 

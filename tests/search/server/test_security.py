@@ -1,4 +1,4 @@
-"""Who may ask, and what nobody gets."""
+"""Security: hosts, origins, the token, paths, and the headers of every response."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SCRIPT = '</script><script>alert("1")</script>'
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "127.0.0.1:8420", "localhost:9999", "LOCALHOST", "[::1]:8420"])
-def test_this_computer_has_these_names(client, host):
+def test_loopback_hosts_are_accepted(client, host):
     assert client.get("/healthz", headers={"Host": host}).status_code == 200
 
 
@@ -30,12 +30,12 @@ def test_this_computer_has_these_names(client, host):
         "a@localhost:1:2",
     ],
 )
-def test_a_name_pointed_here_by_others_is_refused(client, host):
+def test_other_hosts_are_rejected(client, host):
     response = client.get("/api/search?q=walks", headers={"Host": host})
     assert (response.status_code, list(response.json())) == (421, ["error"])
 
 
-def test_bound_everywhere_any_address_will_do_but_no_other_name(served):
+def test_bound_to_all_addresses_any_address_is_accepted_but_no_other_name(served):
     client = served(host="0.0.0.0", names=["studio.example"], token=None)
     codes = {
         host: client.get("/healthz", headers={"Host": host}).status_code
@@ -66,18 +66,18 @@ def test_bound_everywhere_any_address_will_do_but_no_other_name(served):
         ({"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}, 403),
     ],
 )
-def test_pages_of_other_sites_cannot_ask(client, headers, code):
+def test_cross_origin_requests_are_rejected(client, headers, code):
     assert client.get("/api/skeleton", headers=headers).status_code == code
     posted = client.post("/api/describe?name=x.bvh", headers=headers, content=b"x")
     assert posted.status_code == (403 if code == 403 else 422)
 
 
-def test_a_link_from_elsewhere_opens_the_page(client):
+def test_a_link_on_another_site_opens_the_page(client):
     headers = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}
     assert client.get("/", headers=headers).status_code != 403
 
 
-def test_with_a_token_nothing_is_answered_without_it(served):
+def test_requests_without_the_token_are_rejected(served):
     client = served(token=TOKEN)
     for url in ("/", "/api/search?q=walks", "/api/motions/1/joints", "/metrics", "/openapi.json", "/nothing"):
         response = client.get(url)
@@ -97,7 +97,7 @@ def test_with_a_token_nothing_is_answered_without_it(served):
         {"Cookie": f"motionseek_token_8420={TOKEN}"},
     ],
 )
-def test_a_wrong_token_is_no_token(served, headers):
+def test_a_wrong_token_is_rejected(served, headers):
     assert served(token=TOKEN).get("/api/skeleton", headers=headers).status_code == 401
 
 
@@ -134,12 +134,12 @@ def test_the_cookie_is_not_the_token_and_belongs_to_one_port(served):
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "127.8.8.8", "::1", "localhost"])
-def test_these_addresses_are_reached_from_this_computer_alone(host):
+def test_loopback_addresses(host):
     assert is_loopback(host)
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "", "::", "10.0.0.1", "studio"])
-def test_these_addresses_are_reached_from_others(host):
+def test_other_addresses(host):
     assert not is_loopback(host)
 
 
@@ -164,7 +164,7 @@ def test_these_addresses_are_reached_from_others(host):
         "/api/similar?clip=%23x",
     ],
 )
-def test_no_path_leads_anywhere(client, url):
+def test_paths_do_not_reach_the_file_system(client, url):
     response = client.get(url)
     assert response.status_code in (404, 422), response.text
     assert "root:" not in response.text
@@ -175,14 +175,14 @@ def test_no_path_leads_anywhere(client, url):
     "value", ["' OR 1=1 --", "*' OR '1'='1", "x'); DROP TABLE clips; --", '"', "%", "[", "\\", "\0"]
 )
 @pytest.mark.parametrize("name", ["path", "rig", "format"])
-def test_filters_are_values_and_never_sql(client, ask, name, value):
+def test_filters_are_bound_values(client, ask, name, value):
     response = client.get("/api/motions", params={name: value})
     assert response.status_code == 200
     assert response.json()["total"] == 0
     assert ask("/api/motions")["total"] == 5
 
 
-def test_sentences_are_words_and_nothing_else(client):
+def test_sentences_are_text(client):
     for sentence in ("'; DROP TABLE texts; --", SCRIPT, "x\0y", "\u202e walks", "🕺 dances", "{{7*7}}", "%s%n"):
         response = client.get("/api/search", params={"q": sentence})
         assert response.status_code == 200
@@ -203,7 +203,7 @@ def test_a_link_that_leads_out_of_the_folder_is_not_followed(served, tmp_path: P
     assert b"ROOT pelvis" in response.content, "the stored poses are exported in its place"
 
 
-def test_every_answer_is_guarded(client, number):
+def test_every_response_has_security_headers(client, number):
     answers = [
         client.get("/"),
         client.get("/api/skeleton"),
@@ -243,7 +243,7 @@ def test_script_in_names_and_captions_stays_text(served, bundle, tmp_path: Path)
     assert json.loads(client.get("/api/skeleton").text)
 
 
-def test_an_unexpected_fault_says_nothing_of_the_server(indexed, bundle, monkeypatch):
+def test_an_internal_error_reveals_nothing(indexed, bundle, monkeypatch):
     from starlette.testclient import TestClient
 
     from search.server.app import create_app

@@ -74,7 +74,7 @@ def test_an_upload_is_a_clip_from_then_on(client, ask, dance):
         ("x.zip", b"PK\x03\x04"),
     ],
 )
-def test_what_is_no_motion_is_refused_in_words(client, name, content):
+def test_what_is_no_motion_is_an_error(client, name, content):
     response = client.post("/api/describe", params={"name": name}, content=content)
     assert (response.status_code, list(response.json())) == (422, ["error"])
 
@@ -90,19 +90,19 @@ def test_a_pickled_array_is_not_unpickled(client, tmp_path):
     assert not (tmp_path / "made").exists()
 
 
-def test_a_header_that_lies_about_its_size_costs_no_memory(client):
+def test_a_header_with_a_false_size_allocates_no_memory(client):
     header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (10000000000, 22, 3), }"
     file = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + b"\0" * 64
     assert client.post("/api/describe", params={"name": "x.npy"}, content=file).status_code == 422
 
 
-def test_an_upload_that_says_it_is_too_large_is_not_read(served):
+def test_an_upload_announced_as_too_large_is_not_read(served):
     client = served(limits=UploadLimits(bytes=1000))
     response = client.post("/api/describe", params={"name": "x.bvh"}, content=b"x" * 1001)
     assert (response.status_code, list(response.json())) == (413, ["error"])
 
 
-def test_an_upload_that_says_nothing_is_counted(served):
+def test_an_upload_of_unknown_size_is_counted(served):
     client = served(limits=UploadLimits(bytes=1000))
     sent = 0
 
@@ -127,7 +127,7 @@ async def _received(uploads: UploadStore, chunks: Iterator[tuple[float, bytes]])
     await uploads.receive(Request({"type": "http", "method": "POST", "headers": []}, receive), "x.bvh")
 
 
-def test_a_slow_upload_is_given_up():
+def test_a_slow_upload_times_out():
     uploads = UploadStore(UploadLimits(seconds=0.1))
     slow = iter([(0.04, b"x")] * 1000)
     began = time.monotonic()
@@ -137,7 +137,7 @@ def test_a_slow_upload_is_given_up():
     assert time.monotonic() - began < 2
 
 
-def test_a_broken_off_upload_leaves_its_place_to_others():
+def test_a_closed_connection_frees_its_slot():
     uploads = UploadStore(UploadLimits(at_once=1))
 
     async def broken_off():
@@ -172,7 +172,7 @@ def test_only_some_uploads_at_once():
 @pytest.mark.parametrize(
     ("target", "reason"), [("hangs", "took more than"), ("crashes", "crashed"), ("eats", "more memory")]
 )
-def test_a_file_that_turns_on_its_reader_costs_its_reader_alone(served, dance, monkeypatch, target, reason):
+def test_a_hostile_file_only_ends_its_reader(served, dance, monkeypatch, target, reason):
     client = served(limits=UploadLimits(patience=1.0))
     monkeypatch.setattr("search.server.uploads.READ", f"tests.search.server.hostile_readers:{target}")
     response = client.post("/api/describe", params={"name": "x.bvh"}, content=dance)
@@ -182,7 +182,7 @@ def test_a_file_that_turns_on_its_reader_costs_its_reader_alone(served, dance, m
     assert client.post("/api/describe", params={"name": "x.bvh"}, content=dance).status_code == 200
 
 
-def test_the_oldest_uploads_are_forgotten(served, dance):
+def test_the_oldest_uploads_are_evicted(served, dance):
     client = served(limits=UploadLimits(kept=2))
     clips = [client.post("/api/describe", params={"name": "x.bvh"}, content=dance).json()["clip"] for _ in range(3)]
     assert [client.get(f"/api/motions/{clip}").status_code for clip in clips] == [404, 200, 200]
