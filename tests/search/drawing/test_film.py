@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import builtins
-import json
-import re
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +10,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from encoders.drawing.capsules import CAPSULES, aim, capsules
 from encoders.errors import MissingProgram, QueryError
 from encoders.motion import Motion
 from search.drawing import film
 from search.drawing.film import write_picture
 from search.drawing.raster import FLOOR, Stage
-from tests.conftest import ROOT
 from tests.search.conftest import Run, made_motion
 
 _ORANGE = np.array([221, 90, 34])
@@ -50,36 +46,6 @@ def test_the_camera_follows_a_figure_that_walks_away() -> None:
     joints[..., 0] += np.linspace(0, 30, len(joints))[:, None]
     stage = Stage(Motion(joints), 120, 120)
     assert all(abs(np.nonzero(_where(stage.draw(f)))[1].mean() - 60) < 15 for f in (0, 40, 79))
-
-
-def test_the_aim_is_the_pelvis_smoothed_and_keeps_its_ends() -> None:
-    motion = made_motion(5, 2)
-    pelvis = motion.joints[:, 0, [0, 2]]
-    assert np.allclose(aim(motion.joints, motion.fps)[[0, -1]], pelvis[[0, -1]], atol=1e-5)
-    assert np.abs(aim(motion.joints, motion.fps) - pelvis).max() < 0.5
-
-
-def test_capsules_span_their_joints_and_go_on_beyond_the_last() -> None:
-    joints = made_motion(1, 0).joints
-    ends = capsules(joints)
-    assert ends.shape == (20, len(CAPSULES), 2, 3)
-    for i, c in enumerate(CAPSULES):
-        if c.beyond:
-            assert np.allclose(np.linalg.norm(ends[:, i, 1] - ends[:, i, 0], axis=-1), c.beyond, atol=1e-5)
-        else:
-            assert np.array_equal(ends[:, i], joints[:, [c.start, c.end]])
-
-
-def test_the_page_draws_the_same_person() -> None:
-    script = (ROOT / "search" / "page" / "figure.js").read_text(encoding="utf-8")
-    table = re.search(r"const BONES = \[(.*?)\]; //", script, re.DOTALL)
-    assert table is not None
-    rows = json.loads(f"[{table.group(1).strip().rstrip(',')}]")
-    ours = [
-        [c.start, -c.end if c.beyond else c.end, c.near, c.far, c.part, *([c.beyond] if c.beyond else [])]
-        for c in CAPSULES
-    ]
-    assert rows == ours
 
 
 def test_a_strip_has_a_pose_a_quarter_second_and_nine_at_most(tmp_path: Path) -> None:
