@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 Ids = NDArray[np.int64]
 
-#: Candidate clips searched in one batch when several sentences are asked of the library, and answers of each.
+#: Candidate clips searched in one batch for a question of several sentences, and answers taken from each.
 _BATCH, _OF_EACH = 20, 10
 #: The shortest cut that can be compared, in seconds.
 _SHORTEST_CUT = 0.5

@@ -1,4 +1,4 @@
-"""A question asked of one motion: its best moments, or steps in order."""
+"""The answers to a question in one motion: its best moments, or its steps in order."""
 
 from __future__ import annotations
 

@@ -14,11 +14,11 @@ from search.moments.window_scores import STRIDE, Vectors, WindowScores, frame_cu
 from search.query.question import EncodedQuestion
 from search.source import MotionSource
 
-#: Motions up to so many seconds are read as a whole; of longer ones in a library only the parts around places.
+#: Seconds above which a motion is long: in a library only the parts of it around candidates are read.
 _LONG = 300.0
 #: Seconds of motion read on either side of a part of a long clip: features at an instant depend on their surroundings.
 _MARGIN = 8.0
-#: Parts of a long clip begin at multiples of so many seconds: their features are then those of the whole clip.
+#: Parts of a long clip begin at multiples of this, in seconds: their features are then those of the whole clip.
 _PART_GRID = 1.0
 
 

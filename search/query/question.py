@@ -50,7 +50,7 @@ class Question:
         if not given or not all(any(character.isalnum() for character in text) for text in given):
             raise QueryError('the sentence is empty; describe a movement in words, such as "a person waves"')
         if meanwhile and steps:
-            raise QueryError("steps in order and things at the same time cannot be asked together; ask one of the two")
+            raise QueryError("steps in order and things at the same time exclude each other; give one of the two")
         if meanwhile:
             return cls(tuple(given), "while" if len(given) > 1 else "alone")
         if not steps and split_steps:
