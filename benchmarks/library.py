@@ -38,7 +38,7 @@ def index(folder: Path, jobs: int | None) -> None:
 
 
 def search(counts: list[int], size: int) -> None:
-    """Ask libraries of random windows."""
+    """Search libraries of random windows."""
     print(f"{size} numbers a vector; one query, 10 answers; milliseconds, median (95th percentile)")
     print("   windows | nearest_windows |  of a tenth  | nearest_clips |  numpy scan   | recall@10 | open  | build")
     for count in counts:

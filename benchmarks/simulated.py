@@ -1,4 +1,4 @@
-"""A large library simulated around a small real one, and the sentences people ask of it.
+"""A large library simulated around a small real one, and queries to it.
 
 Every clip is a real one, its vectors moved a little, so that the windows a clip has, and how alike they are, are real.
 """
@@ -69,12 +69,12 @@ def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0
 
 def all_sentences() -> list[str]:
     """Some thousand distinct sentences, shuffled."""
-    made = list(dict.fromkeys(f"{sentence} {manner}".strip() for sentence in vocabulary() for manner in MANNERS))
-    return [str(sentence) for sentence in np.random.default_rng(1).permutation(made)]
+    sentences = list(dict.fromkeys(f"{sentence} {manner}".strip() for sentence in vocabulary() for manner in MANNERS))
+    return [str(sentence) for sentence in np.random.default_rng(1).permutation(sentences)]
 
 
 def asked(count: int, seed: int) -> list[str]:
-    """Sentences as people ask them: the n-th most frequent with a chance of 1 / n."""
+    """Queries drawn by Zipf's law: the n-th most frequent with a probability proportional to 1 / n."""
     sentences = all_sentences()
     chance = 1 / np.arange(1, len(sentences) + 1)
     drawn = np.random.default_rng(seed).choice(len(sentences), count, p=chance / chance.sum())
