@@ -92,6 +92,17 @@ def test_a_library_is_made_of_arrays(tmp_path: Path, bundle: motionseek.Encoder)
             library.remove("walk")
 
 
+def test_a_library_of_arrays_changes_its_model(tmp_path: Path, bundle: motionseek.Encoder) -> None:
+    with motionseek.open(tmp_path, bundle=bundle, create=True) as library:
+        library.add("walk", made_motion(4, 1), "a person walks")
+    own: motionseek.Encoder = _Deaf(None)
+    with pytest.raises(motionseek.BundleMismatch, match="rebuild=True"):
+        motionseek.open(tmp_path, bundle=own)
+    motionseek.index([], library=tmp_path, bundle=own, rebuild=True)
+    with motionseek.open(tmp_path, bundle=own) as library:
+        assert [hit.path for hit in library.search("a person walks")] == ["walk"]
+
+
 def test_clips_are_listed_by_filters(library: motionseek.Library) -> None:
     assert [clip.path for clip in library.clips()] == ["walks/slow", "walks/fast", "wave"]
     assert [clip.path for clip in library.clips(path="walks/*", min_duration=np.float32(5))] == ["walks/fast"]

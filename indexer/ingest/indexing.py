@@ -24,8 +24,6 @@ from indexer.store.files import INDEXED, FileVersion
 from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
 from indexer.store.writer import Writer, writing
 
-__all__ = ["Progress", "Summary", "index", "reencode"]
-
 #: Called with the number of files done, the number to do, and the path of the last one.
 Progress = Callable[[int, int, str], None]
 
@@ -85,6 +83,7 @@ def index(
     fps: float | None = None,
     joint_map: Mapping[str, str] | None = None,
     retry: bool = False,
+    rebuild: bool = False,
     progress: Progress | None = None,
 ) -> Summary:
     """Bring the library of one or several folders up to date.
@@ -109,6 +108,8 @@ def index(
         Target joint to joint name in the files; for those that have all these joints.
     retry : bool
         Read unchanged files again that could not be read before.
+    rebuild : bool
+        Encode all clips and captions again from the stored poses, also with another model than before; see `reencode`.
     progress : callable, optional
         See `Progress`.
 
@@ -117,7 +118,7 @@ def index(
     LibraryError
         If a folder is missing, or the library cannot be written or is being written by another process.
     BundleMismatch
-        If the library holds the vectors of another model.
+        If the library holds the vectors of another model and `rebuild` is not given.
     """
     began = time.monotonic()
     place, folders = _places(roots, library)
@@ -125,6 +126,8 @@ def index(
         from encoders.bundle.bundle import Bundle
 
         bundle = Bundle.load()
+    if rebuild and (place / FILE).is_file():
+        reencode(place, bundle, progress=progress)
     summary = Summary()
     with writing(place) as writer:
         with writer.batch():
@@ -151,7 +154,7 @@ def _places(
     """The library folder and the folders to index."""
     given = [roots] if isinstance(roots, (str, PathLike)) else list(roots)
     if library is None and len(given) != 1:
-        raise LibraryError(f"{len(given)} folders need one library; name it with --library DIR")
+        raise LibraryError(f"{len(given)} folders need one library; name its folder (library=, --library)")
     place = Path(given[0], FOLDER) if library is None else Path(library)
     if library is not None and not (place / FILE).is_file() and (place / FOLDER / FILE).is_file():
         place /= FOLDER
@@ -211,9 +214,11 @@ def _read_and_encode(
 
     def commit() -> None:
         nonlocal done
+        if not batch:
+            return
         _commit(writer, bundle, model_id, batch, summary)
         done += len(batch)
-        if progress is not None and batch:
+        if progress is not None:
             progress(done, len(requests), str(batch[-1][0].path))
         batch.clear()
 

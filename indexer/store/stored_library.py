@@ -129,7 +129,7 @@ class StoredLibrary:
         if model is not None and model["fingerprint"] != bundle.fingerprint:
             raise BundleMismatch(
                 f"{self.folder}: made with the model {model['name']} ({model['fingerprint'][:12]}), not with "
-                f"{bundle.name} ({bundle.fingerprint[:12]}); re-encode it with 'motionseek index --rebuild'"
+                f"{bundle.name} ({bundle.fingerprint[:12]}); index it again with rebuild=True (--rebuild)"
             )
 
     def _model(self) -> dict[str, Any] | None:

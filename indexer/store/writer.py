@@ -54,7 +54,7 @@ class Writer:
         if current and held is not None and held[1] != bundle.fingerprint:
             raise BundleMismatch(
                 f"{self.folder}: made with the model {held[0]} ({held[1][:12]}), not with {bundle.name} "
-                f"({bundle.fingerprint[:12]}); re-encode it with 'motionseek index --rebuild'"
+                f"({bundle.fingerprint[:12]}); index it again with rebuild=True (--rebuild)"
             )
         db.execute(
             "INSERT OR IGNORE INTO models(fingerprint, name, size) VALUES (?, ?, ?)",

@@ -56,8 +56,6 @@ def index(
       motionseek index old_rigs/ --joint-map names.json --retry
     """
     from indexer.ingest import indexing
-    from indexer.ingest.reencode import reencode
-    from indexer.store.stored_library import FILE, FOLDER
     from search.cli import terminal
     from search.cli.locate import VARIABLE
 
@@ -69,12 +67,16 @@ def index(
     _lower_priority()
     library = library or os.environ.get(VARIABLE)
     names = read_joint_map(joint_map) if joint_map else None
-    place = Path(library or Path(folders[0]) / FOLDER)
     with progress_bar() as progress:
-        if rebuild and (place / FILE).is_file():
-            reencode(place, progress=progress)
         summary = indexing.index(
-            folders, library=library, jobs=jobs, fps=fps, joint_map=names, retry=retry, progress=progress
+            folders,
+            library=library,
+            jobs=jobs,
+            fps=fps,
+            joint_map=names,
+            retry=retry,
+            rebuild=rebuild,
+            progress=progress,
         )
     if as_json:
         failed = [{"path": path, "reason": reason} for path, reason in summary.failed]

@@ -13,8 +13,9 @@ import pytest
 from encoders.errors import BundleMismatch, LibraryError, LibraryLocked
 from encoders.motion import Motion
 from indexer.ingest import indexing, side_files
-from indexer.ingest.indexing import index, reencode
+from indexer.ingest.indexing import index
 from indexer.ingest.pool import Read
+from indexer.ingest.reencode import reencode
 from indexer.store import read_options
 from indexer.store.lock import write_lock
 from indexer.store.stored_library import FOLDER, Caption, StoredLibrary
@@ -335,7 +336,7 @@ def test_options_given_for_files_need_not_be_given_again(root, bundle, read_here
 
 def test_several_folders_share_a_library(root, bundle, tmp_path):
     other = write(tmp_path / "other" / "a.npy", 30).parent
-    with pytest.raises(LibraryError, match="2 folders need one library; name it with --library DIR"):
+    with pytest.raises(LibraryError, match="2 folders need one library; name its folder"):
         index([root, other], bundle=bundle)
     library_folder = tmp_path / "lib"
     assert index([root, other], library=library_folder, bundle=bundle).indexed == 4
@@ -432,9 +433,23 @@ def test_ctrl_c_keeps_what_is_done(root, bundle, monkeypatch):
 def test_another_model_is_refused_before_anything_changes(root, bundle):
     index(root, bundle=bundle)
     (root / "a.npy").unlink()
-    with pytest.raises(BundleMismatch, match="--rebuild"):
+    with pytest.raises(BundleMismatch, match="rebuild=True"):
         index(root, bundle=SmallBundle("other"))
     assert len(StoredLibrary.open(root)) == 3
+
+
+def test_a_library_changes_its_model_with_rebuild(root, bundle):
+    index(root, bundle=bundle)
+    other = SmallBundle("other", latent_size=24)
+    assert index(root, bundle=other, rebuild=True).unchanged == 3
+    with StoredLibrary.open(root, bundle=other) as library:
+        assert library.nearest_clips(np.eye(24, dtype=np.float32)[:1], 3)[1].min() >= 0
+    with pytest.raises(BundleMismatch):
+        index(root, bundle=bundle)
+
+
+def test_rebuild_of_a_library_that_is_not_there_makes_it(root, bundle):
+    assert index(root, bundle=bundle, rebuild=True).indexed == 3
 
 
 def test_reencoding_needs_no_source_file(root, bundle, tmp_path):

@@ -189,7 +189,7 @@ def test_conditions_on_clips_are_bound_and_never_pasted(library):
 
 
 def test_another_model_is_refused_and_the_message_says_what_to_do(folder):
-    with pytest.raises(BundleMismatch, match=r"made with the model small .* not with other .* --rebuild"):
+    with pytest.raises(BundleMismatch, match=r"made with the model small .* not with other .* rebuild=True"):
         StoredLibrary.open(folder, bundle=SmallBundle("other"))
 
 
