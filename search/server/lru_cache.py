@@ -2,33 +2,30 @@
 
 from __future__ import annotations
 
-import math
 import threading
-from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterable
 from typing import Generic, TypeVar
+
+from cachetools import Cache, LRUCache
 
 Value = TypeVar("Value")
 
 
 class LruCache(Generic[Value]):
-    """Values by key. Unlike `functools.lru_cache`, it can be read without computing and single values can be dropped.
+    """A `cachetools.LRUCache` behind a lock. Unlike `functools.lru_cache`, it can be read without computing.
 
     Parameters
     ----------
-    size : int
-        The number of values, at most.
-    weight, max_weight : callable and float, optional
-        The weight of a value, and the total weight, at most; the last value is kept even if it is heavier.
+    size : float
+        The total weight of the values, at most.
+    weight : callable, optional
+        The weight of a value; 1 if not given. A value heavier than `size` counts as `size` and is kept alone.
     """
 
-    def __init__(
-        self, size: int, *, weight: Callable[[Value], float] | None = None, max_weight: float = math.inf
-    ) -> None:
-        self._size = size
-        self._weight = weight
-        self._max_weight = max_weight
-        self._values: OrderedDict[Hashable, Value] = OrderedDict()
+    def __init__(self, size: float, *, weight: Callable[[Value], float] | None = None) -> None:
+        self._values: LRUCache[Hashable, Value] = LRUCache(
+            size, getsizeof=None if weight is None else lambda value: min(weight(value), size)
+        )
         self._lock = threading.Lock()
 
     def __len__(self) -> int:
@@ -37,17 +34,12 @@ class LruCache(Generic[Value]):
     def get(self, key: Hashable) -> Value | None:
         """The value, else None."""
         with self._lock:
-            if key in self._values:
-                self._values.move_to_end(key)
             return self._values.get(key)
 
     def put(self, key: Hashable, value: Value) -> None:
         """Add or replace a value."""
         with self._lock:
             self._values[key] = value
-            self._values.move_to_end(key)
-            while len(self._values) > 1 and self._is_full():
-                self._values.popitem(last=False)
 
     def get_or(self, key: Hashable, make: Callable[[], Value]) -> Value:
         """The value, else `make()`, which is cached; two threads may both compute it."""
@@ -69,11 +61,6 @@ class LruCache(Generic[Value]):
             self._values.clear()
 
     def items(self) -> list[tuple[Hashable, Value]]:
-        """All keys and values, the least recently used first."""
+        """All keys and values; this does not count as use."""
         with self._lock:
-            return list(self._values.items())
-
-    def _is_full(self) -> bool:
-        if len(self._values) > self._size:
-            return True
-        return self._weight is not None and sum(map(self._weight, self._values.values())) > self._max_weight
+            return [(key, Cache.__getitem__(self._values, key)) for key in self._values]

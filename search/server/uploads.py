@@ -66,10 +66,9 @@ class UploadStore:
 
     def __init__(self, limits: UploadLimits | None = None) -> None:
         self._limits = limits or UploadLimits()
+        share = self._limits.kept_bytes / self._limits.kept  # an upload counts for at least its share
         self._uploads: LruCache[Upload] = LruCache(
-            self._limits.kept,
-            weight=lambda upload: upload.source.motion.joints.nbytes,
-            max_weight=self._limits.kept_bytes,
+            self._limits.kept_bytes, weight=lambda upload: max(upload.source.motion.joints.nbytes, share)
         )
         self._running = 0
         self.rejected = 0

@@ -31,7 +31,7 @@ def test_values_are_dropped() -> None:
 
 
 def test_heavy_values_evict_others_but_not_themselves() -> None:
-    cache: LruCache[int] = LruCache(9, weight=float, max_weight=10)
+    cache: LruCache[int] = LruCache(10, weight=float)
     for value in (4, 5, 3, 99):
         cache.put(value, value)
         kept = [key for key, _ in cache.items()]
