@@ -163,9 +163,10 @@ class _Worker:
     def end(self) -> None:
         """Kill the process."""
         self._ended = True
-        if self._process is not None:
-            self._process.kill()
-            _wait(self._process)
+        process = self._process  # the reading thread sets it to None once the process is dead
+        if process is not None:
+            process.kill()
+            _wait(process)
 
 
 def _ask(process: subprocess.Popen[bytes], request: Request[Any]) -> Read:

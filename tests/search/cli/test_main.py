@@ -107,7 +107,7 @@ def test_an_error_is_a_traceback_only_with_debug(indexed: Path, run: Run) -> Non
         (["search", "walks", "--min-duration", "5", "--max-duration", "2"], "no clip can be both"),
         (["search"], "SENTENCE"),
         (["moments", "walks", "--plot", "x.png"], "CLIP"),
-        (["moments", "walks", "--then", "sits", "--while", "waves", "take 1"], "together"),
+        (["moments", "walks", "--then", "sits", "--while", "waves", "take 1"], "exclude each other"),
         (["export", "take 1", "x.fbx"], ".bvh, .npz, .npy"),
         (["export", "take 1", "x.npy", "--start", "9"], "outside"),
         (["segment", "take 1", "--labels", " , "], "--labels"),
