@@ -38,11 +38,12 @@ def serve(
       MOTIONSEEK_TOKEN=... motionseek serve --host 0.0.0.0
     """
     try:
+        import cachetools  # noqa: F401
         import fastapi  # noqa: F401
         import uvicorn  # noqa: F401
     except ImportError:
         raise click.ClickException(
-            "the server needs further packages; run: pip install fastapi uvicorn httptools"
+            "the server needs further packages; run: pip install cachetools fastapi httptools uvicorn"
         ) from None
 
     from search.cli.locate import locate
