@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Real
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from encoders.drawing.player import player
 from encoders.geometry import resample
@@ -24,22 +26,23 @@ class Motion:
         Positions in metres, Y up; read-only.
     fps : float
         Frames a second.
+
+    Raises
+    ------
+    TypeError
+        If the joints are no array of real numbers, or the frame rate is no number.
+    ValueError
+        If the joints have another shape or are not finite, or the frame rate is not positive.
     """
 
     joints: NDArray[np.float32]
     fps: float = FPS
 
     def __post_init__(self) -> None:
-        joints = np.array(self.joints, dtype=np.float32)
-        if joints.ndim != 3 or joints.shape[1:] != (len(JOINTS), 3) or len(joints) == 0:
-            raise ValueError(f"joints.shape={joints.shape} must be (T, {len(JOINTS)}, 3) with T >= 1")
-        if not np.isfinite(joints).all():
-            raise ValueError("joints must be finite")
-        if not (np.isfinite(self.fps) and self.fps > 0):
-            raise ValueError(f"fps={self.fps} must be positive")
+        joints, fps = joint_array(self.joints, np.float32), _positive(self.fps)
         joints.flags.writeable = False
         object.__setattr__(self, "joints", joints)
-        object.__setattr__(self, "fps", float(self.fps))
+        object.__setattr__(self, "fps", fps)
 
     def __len__(self) -> int:
         return len(self.joints)
@@ -79,9 +82,10 @@ class Motion:
 
         Raises
         ------
-        ValueError
+        TypeError, ValueError
             If the rate is not a positive number.
         """
+        fps = _positive(fps)
         if fps == self.fps:
             return self
         return Motion(resample(self.joints, self.fps, fps), fps)
@@ -93,3 +97,35 @@ class Motion:
     def mirror(self) -> Motion:
         """Left and right swapped, x flipped."""
         return Motion(self.joints[:, MIRROR] * np.array([-1, 1, 1], np.float32), self.fps)
+
+
+def joint_array(joints: Any, dtype: DTypeLike) -> NDArray[Any]:
+    """A copy of the joints (T, 22, 3) of a motion as an array of `dtype`.
+
+    Raises
+    ------
+    TypeError
+        If they are no array of integers or real numbers; one with masked values is none.
+    ValueError
+        If they have another shape, or are not finite.
+    """
+    given = np.asarray(joints)
+    if given.dtype.kind not in "fiu" or isinstance(joints, np.ma.MaskedArray):
+        kind = "masked values" if isinstance(joints, np.ma.MaskedArray) else given.dtype
+        raise TypeError(f"joints must be an array of real numbers (T, {len(JOINTS)}, 3), not of {kind}")
+    if given.ndim != 3 or given.shape[1:] != (len(JOINTS), 3) or len(given) == 0:
+        raise ValueError(f"joints.shape={given.shape} must be (T, {len(JOINTS)}, 3) with T >= 1")
+    with np.errstate(over="ignore"):
+        array = np.array(given, dtype)
+    if not np.isfinite(array).all():
+        raise ValueError("joints must be finite")
+    return array
+
+
+def _positive(fps: Any) -> float:
+    if isinstance(fps, bool) or not isinstance(fps, Real):
+        raise TypeError(f"fps={fps!r} must be a number")
+    rate = float(fps)
+    if not (np.isfinite(rate) and rate > 0):
+        raise ValueError(f"fps={fps} must be positive")
+    return rate

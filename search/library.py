@@ -113,10 +113,12 @@ class Library(StoredLibrary):
 
         Raises
         ------
+        BundleError
+            If the model's vectors are not unit vectors of its size.
         LibraryLocked
-            If another process is writing the library.
+            If another process is writing the library; threads of one process wait for each other.
         """
-        return arrays.add(self.folder, clips, self.bundle)
+        return arrays.add(self._writable(), clips, self.bundle)
 
     def remove(self, *ids: str) -> None:
         """Remove clips that were added by `add` or `add_many`, all of them or none.
@@ -128,7 +130,7 @@ class Library(StoredLibrary):
         LibraryLocked
             If another process is writing the library.
         """
-        arrays.remove(self.folder, ids)
+        arrays.remove(self._writable(), ids)
 
     def search(self, query: str | NDArray[Any], k: int = 10, **filters: Unpack[FilterArguments]) -> Hits:
         """The clips that fit a sentence best, each with the span that does.
@@ -373,6 +375,11 @@ class Library(StoredLibrary):
         """The ids of the clips that pass the filters, sorted; None for all."""
         condition, values = Filters.of(filters).where()
         return self.ids(condition, values) if condition else None
+
+    def _writable(self) -> Path:
+        """The folder, unless the library is closed."""
+        self.connection  # noqa: B018  raises LibraryError
+        return self.folder
 
     def _cut(self, ref: Ref, start: float | None, end: float | None, fps: float | None) -> Motion:
         return self.source(ref, fps=fps).cut(*checked_span(*span_of(ref, start, end)))

@@ -6,6 +6,7 @@ import copy
 import importlib.metadata
 import inspect
 import pickle
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -101,6 +102,46 @@ def test_a_library_of_arrays_changes_its_model(tmp_path: Path, bundle: motionsee
     motionseek.index([], library=tmp_path, bundle=own, rebuild=True)
     with motionseek.open(tmp_path, bundle=own) as library:
         assert [hit.path for hit in library.search("a person walks")] == ["walk"]
+
+
+def test_a_closed_library_can_not_be_written(tmp_path: Path, bundle: motionseek.Encoder) -> None:
+    library = motionseek.open(tmp_path / "new", bundle=bundle, create=True)
+    library.add("walk", made_motion(2, 1))
+    library.close()
+    for write in (lambda: library.add("a", made_motion(2, 1)), lambda: library.remove("walk")):
+        with pytest.raises(motionseek.LibraryError, match="is closed"):
+            write()
+
+
+def test_threads_that_share_a_library_may_all_add(tmp_path: Path, bundle: motionseek.Encoder) -> None:
+    with motionseek.open(tmp_path / "new", bundle=bundle, create=True) as library:
+        with ThreadPoolExecutor(4) as pool:
+            numbers = list(pool.map(lambda i: library.add(f"clip {i}", made_motion(2, i), f"walks {i}"), range(8)))
+        assert sorted(clip.id for clip in library.clips()) == sorted(numbers)
+        assert len(library.caption_vectors()[0]) == 8
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("path", 5),
+        ("path", None),
+        ("path", b"a.npy"),
+        ("path", ""),
+        ("fps", "25"),
+        ("fps", float("nan")),
+        ("fps", -5),
+        ("fps", 1e9),
+        ("fps", True),
+        ("joint_map", 5),
+        ("joint_map", {"tail": "Tail"}),
+        ("joint_map", {"head": None}),
+    ],
+)
+def test_arguments_of_load_are_refused_by_name(tmp_path: Path, name: str, value: object) -> None:
+    np.save(tmp_path / "a.npy", made_motion(2, 1).joints)
+    with pytest.raises(motionseek.ArgumentError, match=name):
+        motionseek.load(**{"path": tmp_path / "a.npy", name: value})
 
 
 def test_clips_are_listed_by_filters(library: motionseek.Library) -> None:

@@ -6,21 +6,22 @@ into the same library leaves them as they are.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any, TypeAlias
+from unicodedata import category
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from encoders.errors import ArgumentError, UnknownClip, UnreadableMotion
-from encoders.motion import FPS, Motion
+from encoders.motion import FPS, Motion, joint_array
 from encoders.protocol import Encoder
+from indexer.argument_checks import checked_rate, finite_number
 from indexer.formats.npy import take_of
 from indexer.ingest.caption_files import MAX_TEXT
-from indexer.ingest.encode import encode
-from indexer.ingest.side_files import encode_captions
+from indexer.ingest.encode import captions_without_vectors, encode, insert_caption_vectors, use_model
 from indexer.rigs.retarget import retarget
 from indexer.store.captions import CaptionRow
 from indexer.store.clips import Caption
@@ -30,6 +31,8 @@ from indexer.store.writer import Writer, writing
 #: Frames (20 a second) and clips in a batch.
 _BATCH_FRAMES, _BATCH_CLIPS = 12_000, 64
 _LONGEST_ID = 500
+#: Categories of Unicode: control characters, line and paragraph separators.
+_UNSEEN = ("Cc", "Zl", "Zp")
 
 _Batch: TypeAlias = list[tuple[ArrayItem, list[CaptionRow], Motion]]
 
@@ -74,15 +77,13 @@ def add(folder: Path, items: Iterable[NewClip], encoder: Encoder) -> list[int]:
     BundleMismatch
         If it holds the vectors of another model.
     """
+    if isinstance(items, (str, bytes, Mapping)) or not isinstance(items, Iterable):
+        raise ArgumentError(f"clips must be a list of NewClip, not {type(items).__name__}")
     numbers: list[int] = []
     with writing(folder) as writer:
-        with writer.batch():
-            model_id = writer.use_model(encoder)
-        try:
-            for batch in _batches(items):
-                numbers += _commit(writer, encoder, model_id, batch)
-        finally:
-            encode_captions(writer, encoder, model_id)
+        model_id = use_model(writer, encoder)
+        for batch in _batches(items):
+            numbers += _commit(writer, encoder, model_id, batch)
     return numbers
 
 
@@ -91,11 +92,16 @@ def remove(folder: Path, ids: Iterable[str]) -> None:
 
     Raises
     ------
+    ArgumentError
+        If an id is no string.
     UnknownClip
         If an id names no such clip.
     LibraryLocked
         If another process is writing the library.
     """
+    ids = list(ids)
+    for id in ids:
+        _check_text(id)
     with writing(folder) as writer, writer.batch():
         for id in dict.fromkeys(ids):
             if not writer.remove_array(id):
@@ -114,24 +120,22 @@ def to_motion(motion: Motion | ArrayLike, fps: float | None = None, *, name: str
     ------
     ArgumentError
         If the array has another shape, values that are not finite, or the shape of no body; if the frame rate is not
-        a positive number, or given for a `Motion`.
+        a number, or given for a `Motion` that has another.
     """
+    rate = checked_rate(fps, f"{name}: fps")
     if isinstance(motion, Motion):
-        if fps is not None and fps != motion.fps:
+        if rate not in (None, motion.fps):
             raise ArgumentError(
                 f"{name}: fps={fps} is not the motion's own {motion.fps:g}; give fps with an array only"
             )
+        checked_rate(motion.fps, f"{name}: motion.fps")
         return motion.resample(FPS)
-    if fps is not None and not _is_rate(fps):
-        raise ArgumentError(f"{name}: fps={fps!r} must be a positive number")
     try:
-        array = np.asarray(motion, np.float64)
-    except (TypeError, ValueError):
-        raise ArgumentError(f"{name}: a Motion or an array of joints (T, 22, 3) is needed") from None
-    if array.ndim != 3 or array.shape[1:] != (22, 3) or not len(array) or not np.isfinite(array).all():
-        raise ArgumentError(f"{name}: an array of shape {array.shape} must be finite joints (T, 22, 3) with T >= 1")
+        joints = joint_array(motion, np.float64)
+    except (TypeError, ValueError, RuntimeError) as error:  # RuntimeError: a tensor that cannot become an array
+        raise ArgumentError(f"{name}: a Motion or an array of joints (T, 22, 3) is needed; {error}") from None
     try:
-        return retarget(take_of(name, array, None if fps is None else float(fps)), path=name)
+        return retarget(take_of(name, joints, rate), path=name)
     except UnreadableMotion as error:
         raise ArgumentError(str(error)) from None
 
@@ -139,6 +143,8 @@ def to_motion(motion: Motion | ArrayLike, fps: float | None = None, *, name: str
 def _batches(items: Iterable[NewClip]) -> Iterator[_Batch]:
     batch: _Batch = []
     for item in items:
+        if not isinstance(item, NewClip):
+            raise ArgumentError(f"clips must be a list of NewClip, not of {type(item).__name__}")
         batch.append((_record(item.id), _rows(item), to_motion(item.motion, item.fps, name=item.id)))
         if len(batch) >= _BATCH_CLIPS or sum(len(motion) for *_, motion in batch) >= _BATCH_FRAMES:
             yield batch
@@ -147,21 +153,25 @@ def _batches(items: Iterable[NewClip]) -> Iterator[_Batch]:
         yield batch
 
 
-def _is_rate(fps: Any) -> bool:
-    number = isinstance(fps, (int, float, np.integer, np.floating)) and not isinstance(fps, bool)
-    return number and bool(0 < fps < 1e5)
-
-
 def _record(id: Any) -> ArrayItem:
     """The record of an id, once that has proved to be one."""
+    _check_text(id)
+    parts = id.split("/")
+    is_plain = id == PurePosixPath(id).as_posix() and not {".", ".."} & set(parts)
+    if not is_plain or id.startswith(("/", "#")) or "\\" in id:
+        raise ArgumentError(f"id {id!r} must be a path such as 'walk' or 'session_1/walk', and not begin with #")
+    if any(part != part.strip() for part in parts) or any(category(letter) in _UNSEEN for letter in id):
+        raise ArgumentError(f"id {id!r} must have no control characters, and no spaces around a name")
+    if len(id) > _LONGEST_ID:
+        raise ArgumentError(f"id {id[:40]!r}... must be at most {_LONGEST_ID} characters")
+    return ArrayItem(id, 0, 0)
+
+
+def _check_text(id: Any) -> None:
     if not isinstance(id, str):
         raise ArgumentError(f"id {id!r} must be a string")
-    is_plain = id == PurePosixPath(id).as_posix() and not {".", ".."} & set(id.split("/"))
-    if not is_plain or id.startswith(("/", "#")) or "\\" in id or "\0" in id:
-        raise ArgumentError(f"id {id!r} must be a path such as 'walk' or 'session_1/walk', and not begin with #")
-    if len(id) > _LONGEST_ID or not _is_utf8(id):
-        raise ArgumentError(f"id {id[:40]!r}... must be at most {_LONGEST_ID} characters of valid Unicode")
-    return ArrayItem(id, 0, 0)
+    if not _is_utf8(id):
+        raise ArgumentError(f"id {id[:40]!r} must be valid Unicode")
 
 
 def _is_utf8(text: str) -> bool:
@@ -175,10 +185,9 @@ def _is_utf8(text: str) -> bool:
 def _rows(item: NewClip) -> list[CaptionRow]:
     """The captions of an item, without empty ones and repetitions."""
     given = [item.captions] if isinstance(item.captions, (str, Caption)) else item.captions
-    try:
-        return list(dict.fromkeys(row for caption in given for row in _row(item.id, caption)))
-    except TypeError:
-        raise ArgumentError(f"{item.id}: captions must be strings or Captions, not {item.captions!r}") from None
+    if isinstance(given, (bytes, Mapping)) or not isinstance(given, Iterable):
+        raise ArgumentError(f"{item.id}: captions must be strings or Captions, not {given!r}")
+    return list(dict.fromkeys(row for caption in given for row in _row(item.id, caption)))
 
 
 def _row(id: str, given: Any) -> Iterator[CaptionRow]:
@@ -188,18 +197,24 @@ def _row(id: str, given: Any) -> Iterator[CaptionRow]:
     text = " ".join(caption.text.split())
     if len(text) > MAX_TEXT or not _is_utf8(text):
         raise ArgumentError(f"{id}: a caption must be at most {MAX_TEXT} characters of valid Unicode")
-    start, end = caption.start, caption.end
-    if (start is None) != (end is None) or (start is not None and end is not None and not 0 <= start < end):
-        raise ArgumentError(f"{id}: a caption's start={start} and end={end} must be seconds, the end after the start")
+    start, end = finite_number(caption.start), finite_number(caption.end)
+    is_whole = caption.start is None and caption.end is None
+    if not is_whole and (start is None or end is None or not 0 <= start < end):
+        raise ArgumentError(
+            f"{id}: a caption's start={caption.start!r} and end={caption.end!r} must be seconds, end after start"
+        )
     if text:
-        yield CaptionRow(id, text, None if start is None else float(start), None if end is None else float(end))
+        yield CaptionRow(id, text, start, end)
 
 
 def _commit(writer: Writer, encoder: Encoder, model_id: int, batch: _Batch) -> list[int]:
-    """Encode and store a batch as one transaction; the numbers of its clips."""
+    """Encode and store a batch, with its captions, as one transaction; the numbers of its clips."""
     vectors = encode(encoder, [motion for *_, motion in batch])
     with writer.batch():
-        return [
+        numbers = [
             writer.add_array(record, motion, rows, encoded, model_id)
             for (record, rows, motion), encoded in zip(batch, vectors, strict=True)
         ]
+        for part in captions_without_vectors(writer, model_id):
+            insert_caption_vectors(writer, encoder, model_id, part)
+    return numbers

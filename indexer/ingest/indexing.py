@@ -9,19 +9,27 @@ from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 
-from encoders.errors import LibraryError
+from encoders.errors import ArgumentError, LibraryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
+from indexer.argument_checks import (
+    checked_encoder,
+    checked_flag,
+    checked_jobs,
+    checked_joint_map,
+    checked_path,
+    checked_rate,
+)
 from indexer.ingest import side_files
 from indexer.ingest.changes import Changes, RequestedOptions, compare, record
-from indexer.ingest.encode import encode
+from indexer.ingest.encode import encode, encode_captions, use_model
 from indexer.ingest.pool import Read, Request, read_all
 from indexer.ingest.reencode import reencode
 from indexer.ingest.scan import walk
 from indexer.ingest.side_files import SideFileChanges
 from indexer.store.captions import remove_side_files, stated_rates
 from indexer.store.files import INDEXED, FileVersion
-from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
+from indexer.store.stored_library import FILE, FOLDER, StoredLibrary, library_folder
 from indexer.store.writer import Writer, writing
 
 #: Called with the number of files done, the number to do, and the path of the last one.
@@ -93,9 +101,10 @@ def index(
     Parameters
     ----------
     roots : path or paths
-        Folders to index; with `library`, none means those it already has.
+        Folders to index; with `library`, an empty list means those it already has.
     library : path, optional
-        The library folder; by default `.motionseek` in the folder, so it must be named for several.
+        The library folder; by default that of the folder: the folder itself where it is a library, else `.motionseek`
+        in it. It must be named for several folders.
     bundle : Encoder, optional
         The model; the default one if not given.
     jobs : int, optional
@@ -115,12 +124,21 @@ def index(
 
     Raises
     ------
+    ArgumentError
+        If an argument is of a wrong type or out of range; nothing has been touched.
+    BundleError
+        If the model's vectors are not unit vectors of its size.
     LibraryError
         If a folder is missing, or the library cannot be written or is being written by another process.
     BundleMismatch
         If the library holds the vectors of another model and `rebuild` is not given.
     """
     began = time.monotonic()
+    bundle, jobs = checked_encoder(bundle), checked_jobs(jobs)
+    requested = RequestedOptions(checked_rate(fps), checked_joint_map(joint_map), checked_flag("retry", retry))
+    rebuild = checked_flag("rebuild", rebuild)
+    if progress is not None and not callable(progress):
+        raise ArgumentError(f"progress={progress!r} must be a function")
     place, folders = _places(roots, library)
     if bundle is None:
         from encoders.bundle.bundle import Bundle
@@ -130,18 +148,18 @@ def index(
         reencode(place, bundle, progress=progress)
     summary = Summary()
     with writing(place) as writer:
+        model_id = use_model(writer, bundle)
         with writer.batch():
-            model_id = writer.use_model(bundle)
             keys = {writer.root(folder): folder for folder in folders}
         beside: dict[int, SideFileChanges] = {}
         requests: list[Request[_Task]] = []
         for key, folder in keys.items():
-            beside[key], changes = _update(writer, folder, key, RequestedOptions(fps, joint_map, retry), summary)
+            beside[key], changes = _update(writer, folder, key, requested, summary)
             requests += [_request(folder, source) for source in changes.read]
         _read_and_encode(writer, bundle, model_id, requests, jobs or os.cpu_count() or 1, summary, progress)
         for key, folder in keys.items():
             summary.warnings += side_files.unmatched(writer.connection, folder, beside[key])
-        side_files.encode_captions(writer, bundle, model_id)
+        encode_captions(writer, bundle, model_id)
     with StoredLibrary.open(place, bundle=bundle) as made:
         made.prepare()
     summary.seconds = time.monotonic() - began
@@ -152,12 +170,13 @@ def _places(
     roots: str | PathLike[str] | Iterable[str | PathLike[str]], library: str | PathLike[str] | None
 ) -> tuple[Path, list[Path]]:
     """The library folder and the folders to index."""
-    given = [roots] if isinstance(roots, (str, PathLike)) else list(roots)
+    given = _paths(roots)
+    if library is None and not given:
+        raise ArgumentError("roots=[] needs a folder to index, or library=DIR whose folders are meant")
     if library is None and len(given) != 1:
         raise LibraryError(f"{len(given)} folders need one library; name its folder (library=, --library)")
-    place = Path(given[0], FOLDER) if library is None else Path(library)
-    if library is not None and not (place / FILE).is_file() and (place / FOLDER / FILE).is_file():
-        place /= FOLDER
+    place = given[0] / FOLDER if library is None else checked_path("library", library)
+    place = library_folder(given[0] if library is None else place) or place
     if not given:
         with StoredLibrary.open(place) as known:
             given = list(known.roots)
@@ -166,6 +185,18 @@ def _places(
         if not folder.is_dir():
             raise LibraryError(f"{folder}: no such folder, so nothing was changed; is its drive connected?")
     return place.resolve(), folders
+
+
+def _paths(roots: str | PathLike[str] | Iterable[str | PathLike[str]]) -> list[Path]:
+    if isinstance(roots, (str, PathLike)):
+        roots = [roots]
+    if isinstance(roots, (bytes, Mapping)) or not isinstance(roots, Iterable):
+        raise ArgumentError(f"roots={roots!r} must be a folder or a list of folders")
+    given = [checked_path("roots", root) for root in roots]
+    for path in given:
+        if path.is_file():
+            raise ArgumentError(f"roots: {path} is a file; index its folder")
+    return given
 
 
 def _request(root: Path, source: FileVersion) -> Request[_Task]:

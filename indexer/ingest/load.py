@@ -5,6 +5,7 @@ from __future__ import annotations
 from os import PathLike
 
 from encoders.motion import Motion
+from indexer.argument_checks import checked_joint_map, checked_path, checked_rate
 from indexer.formats.reading import read_take
 from indexer.rigs.retarget import retarget
 
@@ -25,9 +26,12 @@ def load_motion(
 
     Raises
     ------
+    ArgumentError
+        If an argument is of a wrong type or out of range.
     UnreadableMotion
         If the file holds no motion that can be read.
     UnknownRig
         If its skeleton cannot be mapped; names what is missing.
     """
-    return retarget(read_take(path, fps=fps), path=path, joint_map=joint_map)
+    file, rate, names = checked_path("path", path), checked_rate(fps), checked_joint_map(joint_map)
+    return retarget(read_take(file, fps=rate), path=file, joint_map=names)

@@ -6,8 +6,7 @@ from collections.abc import Callable
 from os import PathLike
 
 from encoders.protocol import Encoder
-from indexer.ingest.encode import encode
-from indexer.ingest.side_files import encode_captions
+from indexer.ingest.encode import encode, encode_captions, use_model
 from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
 
@@ -44,8 +43,7 @@ def reencode(
 
         bundle = Bundle.load()
     with StoredLibrary.open(library) as poses, writing(poses.folder) as writer:
-        with writer.batch():
-            model_id = writer.use_model(bundle, current=False)
+        model_id = use_model(writer, bundle, current=False)
         total = _encode_clips(poses, writer, bundle, model_id, progress)
         encode_captions(writer, bundle, model_id)
         with writer.batch():

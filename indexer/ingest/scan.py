@@ -10,9 +10,12 @@ from posixpath import basename, splitext
 
 from indexer.formats import table
 from indexer.store.files import File
+from indexer.store.stored_library import FILE
 
 TABLES = frozenset({"captions.csv", "captions.tsv", "captions.jsonl"})
 LINES = ".txt"
+#: The folders of a library, beside its file.
+_OF_LIBRARY = frozenset({"vectors", "previews"})
 
 
 @dataclass
@@ -49,7 +52,8 @@ class Folder:
 def walk(root: Path, warn: Callable[[str], None]) -> Iterator[Folder]:
     """Every folder under `root`, parents first, in order of names.
 
-    Hidden files and folders are skipped. Symbolic links are not followed, with a warning where they may be meant.
+    Hidden files and folders are skipped, and those in which a library keeps its vectors and previews. Symbolic links
+    are not followed, with a warning where they may be meant.
 
     Raises
     ------
@@ -69,6 +73,7 @@ def walk(root: Path, warn: Callable[[str], None]) -> Iterator[Folder]:
             warn(f"{root / folder.path}: cannot be listed ({folder.error}); its clips are left as they were")
             found = []
         inner = []
+        own = _OF_LIBRARY if any(entry.name == FILE for entry in found) else frozenset()
         for entry in found:
             path = f"{folder.path}/{entry.name}" if folder.path else entry.name
             if entry.name.startswith("."):
@@ -79,7 +84,8 @@ def walk(root: Path, warn: Callable[[str], None]) -> Iterator[Folder]:
                 if entry.is_dir() or table.is_motion(splitext(path)[1].lower()):
                     warn(f"{root / path}: symbolic links are not followed; index what it points to by its own path")
             elif entry.is_dir(follow_symlinks=False):
-                inner.append(path)
+                if entry.name not in own:
+                    inner.append(path)
             elif entry.is_file(follow_symlinks=False):
                 try:
                     state = entry.stat(follow_symlinks=False)

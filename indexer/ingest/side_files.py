@@ -6,17 +6,11 @@ import sqlite3
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
-import numpy as np
-
-from encoders.protocol import Encoder
 from indexer.ingest.caption_files import Warn, read_lines, read_table
 from indexer.ingest.scan import TABLES
 from indexer.store import captions
 from indexer.store.captions import CaptionRow
 from indexer.store.files import File
-from indexer.store.writer import Writer
-
-_TEXTS_A_BATCH = 512
 
 
 @dataclass
@@ -66,16 +60,6 @@ def unmatched(db: sqlite3.Connection, root: Path, changes: SideFileChanges) -> l
             rows = f"{count} captions are" if count > 1 else "a caption is"
             warnings.append(f"{root / path}: {rows} of motions that are not indexed, such as {example!r}")
     return warnings
-
-
-def encode_captions(writer: Writer, encoder: Encoder, model_id: int) -> None:
-    """Vectors for the captions that have none under a model, in batches of their own."""
-    texts = captions.texts_without_vectors(writer.connection, model_id)
-    for first in range(0, len(texts), _TEXTS_A_BATCH):
-        part = texts[first : first + _TEXTS_A_BATCH]
-        vectors = encoder.encode_texts([text for _, text in part]).astype(np.float16)
-        with writer.batch():
-            captions.insert_text_vectors(writer.connection, model_id, [text_id for text_id, _ in part], vectors)
 
 
 def _read(root: Path, file: File, targets: list[str], warn: Warn) -> list[CaptionRow]:

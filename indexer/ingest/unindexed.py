@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from encoders.motion import Motion
+from indexer.argument_checks import checked_rate
 from indexer.formats import table
 from indexer.ingest import worker
 from indexer.ingest.scan import walk
@@ -32,7 +33,10 @@ def read_unindexed(library: StoredLibrary, path: Path, *, fps: float | None = No
     ------
     UnreadableMotion
         If it holds no motion that can be read.
+    ArgumentError
+        If `fps` is no frame rate.
     """
+    fps = checked_rate(fps)
     known = known_options(library, path)
     options = known or ReadOptions()
     motion, rig = worker.read(str(path), fps or options.fps, dict(options.joint_map) or None)

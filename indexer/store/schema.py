@@ -206,8 +206,9 @@ def migrate(connection: sqlite3.Connection) -> None:
     version: int = connection.execute("PRAGMA user_version").fetchone()[0]
     for number, step in enumerate(MIGRATIONS[version:], start=version + 1):
         with transaction(connection):
-            step(Database(connection))
-            connection.execute(f"PRAGMA user_version={number}")
+            if connection.execute("PRAGMA user_version").fetchone()[0] < number:  # else another process was faster
+                step(Database(connection))
+                connection.execute(f"PRAGMA user_version={number}")
 
 
 @contextmanager

@@ -33,8 +33,15 @@ def stats(db: sqlite3.Connection, folder: Path, roots: list[Path]) -> dict[str, 
         "model": model[1] if model else None,
         "fingerprint": model[2] if model else None,
         "generation": db.execute("SELECT value FROM settings WHERE key = 'generation'").fetchone()[0],
-        "bytes": sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()),
+        "bytes": sum(map(_size, folder.rglob("*"))),
     }
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size if path.is_file() else 0
+    except FileNotFoundError:  # replaced by a writer since it was listed
+        return 0
 
 
 def _counted(db: sqlite3.Connection, column: str) -> dict[str, int]:

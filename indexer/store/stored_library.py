@@ -5,6 +5,7 @@ from __future__ import annotations
 import sqlite3
 import threading
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import closing
 from os import PathLike, fspath
 from pathlib import Path, PurePosixPath
 from types import TracebackType
@@ -14,9 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle.windows import Windows
-from encoders.errors import BundleMismatch, LibraryDamaged, LibraryError, LibraryNotFound, UnknownClip
+from encoders.errors import (
+    ArgumentError,
+    BundleMismatch,
+    LibraryDamaged,
+    LibraryError,
+    LibraryNotFound,
+    QueryError,
+    UnknownClip,
+)
 from encoders.motion import FPS, Motion
 from encoders.protocol import Encoder
+from indexer.argument_checks import checked_clip_id, checked_encoder, checked_flag, checked_path, checked_time
 from indexer.store import captions, poses, schema
 from indexer.store.clips import LIVE, Caption, Clip, root_names, select
 from indexer.store.files import ARRAYS_ROOT
@@ -33,8 +43,12 @@ CaptionVectors = tuple[list[str], NDArray[np.int64], NDArray[np.float32]]
 FOLDER = ".motionseek"
 FILE = "library.sqlite"
 
-_VARIABLES = 500  # a statement takes only so many values
-_CHUNK = 1000  # clips read at once by those who want them all
+#: Values bound in one statement, and clips read by one.
+_VARIABLES, _CHUNK = 500, 1000
+#: The largest integer of SQLite.
+_LARGEST_ID = 2**63 - 1
+#: Held while a library is made, so that no other thread opens it half made.
+_creating = threading.Lock()
 
 
 class StoredLibrary:
@@ -65,6 +79,8 @@ class StoredLibrary:
 
         Raises
         ------
+        ArgumentError
+            If an argument is of a wrong type.
         LibraryNotFound
             If there is no library.
         LibraryDamaged, LibraryError
@@ -72,14 +88,14 @@ class StoredLibrary:
         BundleMismatch
             If `bundle` is not the model whose vectors the library holds.
         """
-        given = Path(folder)
-        for candidate in (given / FOLDER, given):
-            if (candidate / FILE).is_file():
-                return cls(candidate.resolve(), bundle=bundle)
-        if not create:
+        given, bundle = checked_path("folder", folder), checked_encoder(bundle)
+        with _creating:
+            place = library_folder(given)
+            if checked_flag("create", create) and place is None:
+                place = _create(given)
+        if place is None:
             raise LibraryNotFound(f"{given}: no library here; make one with 'motionseek index {given}'")
-        _create(given)
-        return cls(given.resolve(), bundle=bundle)
+        return cls(place.resolve(), bundle=bundle)
 
     def close(self) -> None:
         """Close the files; later calls fail."""
@@ -187,14 +203,14 @@ class StoredLibrary:
         UnknownClip
             If there is none of that id.
         """
-        found = self.clips_by_id([id])
+        found = self.clips_by_id([checked_clip_id(id)])
         if id not in found:
             raise UnknownClip(f"{self.folder}: no clip #{id}")
         return found[id]
 
     def clips_by_id(self, ids: Iterable[int]) -> dict[int, Clip]:
         """The clips of these ids that exist, by id."""
-        wanted = [int(i) for i in dict.fromkeys(ids)]
+        wanted = [i for i in dict.fromkeys(map(checked_clip_id, ids)) if abs(i) <= _LARGEST_ID]
         found: dict[int, Clip] = {}
         for first in range(0, len(wanted), _VARIABLES):
             part = wanted[first : first + _VARIABLES]
@@ -219,10 +235,16 @@ class StoredLibrary:
         ------
         UnknownClip
             If no clip or several are meant.
+        ArgumentError
+            If it is no string or path.
         """
-        text = fspath(ref)
-        if text.startswith("#") and text[1:].isdigit():
+        text = fspath(ref) if isinstance(ref, (str, PathLike)) else None
+        if not isinstance(text, str):
+            raise ArgumentError(f"ref={ref!r} must be a path, a name or '#number' of a clip")
+        if text.startswith("#") and text[1:].isdecimal() and len(text) <= len(str(_LARGEST_ID)):
             return self.clip(int(text[1:]))
+        if "\0" in text or not _is_utf8(text):
+            raise UnknownClip(f"{text!r}: no clip of that path or name in {self.folder}")
         found = self._select("files.path = ?", [PurePosixPath(text.replace("\\", "/")).as_posix()])
         if not found:
             place = Path(text).absolute().resolve()
@@ -247,14 +269,18 @@ class StoredLibrary:
             If there is no such clip.
         LibraryDamaged
             If its stored poses are corrupt or incomplete.
-        ValueError
-            If the span is empty or begins after the clip ends.
+        QueryError
+            If the span is empty or begins after the clip ends; `ArgumentError` if `start` or `end` is no number.
         """
         clip = self.clip(id)
+        start, end = checked_time("start", start), checked_time("end", end)
         end = clip.duration if end is None else min(end, clip.duration)
         start = max(start or 0.0, 0.0)
         if start >= end:
-            raise ValueError(f"span {start:g} to {end:g} s lies outside {clip.path} of {clip.duration:g} s")
+            raise QueryError(
+                f"span {start:g} to {end:g} s lies outside {clip.path} of {clip.duration:g} s; "
+                "give a start and end inside it, in seconds"
+            )
         first = min(round(start * FPS), clip.frames - 1)
         last = max(round(end * FPS), first + 1)
         rows = self.connection.execute(
@@ -268,11 +294,18 @@ class StoredLibrary:
         return Motion(np.concatenate(joints)[first - skipped : last - skipped], FPS)
 
     def captions(self, id: int) -> list[Caption]:
-        """The captions of a clip, in the order in which they were read."""
+        """The captions of a clip, in the order in which they were read.
+
+        Raises
+        ------
+        UnknownClip
+            If there is no such clip.
+        """
+        id = self.clip(id).id
         rows = self.connection.execute(
             "SELECT texts.text, captions.start, captions.end FROM captions JOIN texts ON texts.id = captions.text_id "
             "WHERE captions.clip_id = ? ORDER BY captions.id",
-            (int(id),),
+            (id,),
         )
         return list(dict.fromkeys(Caption(*row) for row in rows))
 
@@ -354,13 +387,27 @@ def _one(connection: sqlite3.Connection, query: str) -> dict[str, Any] | None:
     return None if row is None else dict(zip([column[0] for column in cursor.description], row, strict=True))
 
 
-def _create(folder: Path) -> None:
+def library_folder(folder: Path) -> Path | None:
+    """The library of an indexed folder, else the folder itself if it is a library; None where there is none."""
+    return next((place for place in (folder / FOLDER, folder) if (place / FILE).is_file()), None)
+
+
+def _create(folder: Path) -> Path:
+    """Make `folder` an empty library."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        connection = schema.connect(folder / FILE, writable=True)
+        with closing(schema.connect(folder / FILE, writable=True)) as connection:
+            schema.migrate(connection)
     except (OSError, LibraryError) as error:
         raise LibraryError(
             f"{folder}: cannot be written ({error}); keep the library elsewhere with --library DIR"
         ) from error
-    schema.migrate(connection)
-    connection.close()
+    return folder
+
+
+def _is_utf8(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True

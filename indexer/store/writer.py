@@ -10,7 +10,7 @@ from datetime import datetime, timezone
 from hashlib import blake2b
 from pathlib import Path
 
-from encoders.errors import BundleMismatch, LibraryError
+from encoders.errors import BundleError, BundleMismatch, LibraryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.store import captions, clip_vectors, poses, schema
@@ -39,16 +39,17 @@ class Writer:
             self.connection.execute("UPDATE settings SET value = ? WHERE key = 'generation'", (self._generation,))
             yield
 
-    def use_model(self, bundle: Encoder, *, current: bool = True) -> int:
-        """The model's id; with `current` it is the one whose vectors are searched.
+    def check_model(self, bundle: Encoder, *, current: bool = True) -> None:
+        """Changes nothing.
 
         Raises
         ------
         BundleMismatch
-            If `current` and the library holds the vectors of another one.
+            If `current` and the library holds the vectors of another model.
+        BundleError
+            If it holds vectors of another size of this one.
         """
-        db = self.connection
-        held = db.execute(
+        held = self.connection.execute(
             "SELECT name, fingerprint FROM models WHERE id = (SELECT value FROM settings WHERE key = 'model')"
         ).fetchone()
         if current and held is not None and held[1] != bundle.fingerprint:
@@ -56,13 +57,32 @@ class Writer:
                 f"{self.folder}: made with the model {held[0]} ({held[1][:12]}), not with {bundle.name} "
                 f"({bundle.fingerprint[:12]}); index it again with rebuild=True (--rebuild)"
             )
+        size = self._model_size(bundle)
+        if size not in (None, bundle.latent_size):
+            raise BundleError(
+                f"{bundle.name}: latent_size={bundle.latent_size}, but {self.folder} has vectors of {size} numbers "
+                "of the same fingerprint; give another model another fingerprint"
+            )
+
+    def knows(self, bundle: Encoder) -> bool:
+        """Whether the library has used this model before."""
+        return self._model_size(bundle) is not None
+
+    def _model_size(self, bundle: Encoder) -> int | None:
+        row = self.connection.execute("SELECT size FROM models WHERE fingerprint = ?", (bundle.fingerprint,)).fetchone()
+        return None if row is None else int(row[0])
+
+    def use_model(self, bundle: Encoder, *, current: bool = True) -> int:
+        """The model's id; with `current` it is the one whose vectors are searched. See `check_model` for errors."""
+        self.check_model(bundle, current=current)
+        db = self.connection
         db.execute(
             "INSERT OR IGNORE INTO models(fingerprint, name, size) VALUES (?, ?, ?)",
             (bundle.fingerprint, bundle.name, bundle.latent_size),
         )
         model_id: int = db.execute("SELECT id FROM models WHERE fingerprint = ?", (bundle.fingerprint,)).fetchone()[0]
-        if current and held is None:
-            db.execute("INSERT OR REPLACE INTO settings(key, value) VALUES ('model', ?)", (model_id,))
+        if current:
+            db.execute("INSERT OR IGNORE INTO settings(key, value) VALUES ('model', ?)", (model_id,))
         return model_id
 
     def root(self, path: Path) -> int:

@@ -51,6 +51,41 @@ def test_the_rate_must_be_positive(fps):
         Motion(np.zeros((2, 22, 3)), fps)
 
 
+@pytest.mark.parametrize("fps", ["20", None, True, 20j])
+def test_the_rate_must_be_a_number(fps):
+    with pytest.raises(TypeError, match="fps"):
+        Motion(np.zeros((2, 22, 3)), fps)
+    with pytest.raises(TypeError, match="fps"):
+        Motion(np.zeros((2, 22, 3))).resample(fps)
+
+
+@pytest.mark.parametrize(
+    "joints",
+    [
+        np.zeros((2, 22, 3), complex),
+        np.zeros((2, 22, 3), bool),
+        np.zeros((2, 22, 3), str),
+        np.zeros((2, 22, 3), object),
+        np.ma.masked_equal(np.zeros((2, 22, 3)), 0),
+        None,
+        "walk",
+    ],
+)
+def test_joints_must_be_real_numbers(joints):
+    with pytest.raises(TypeError, match="real numbers"):
+        Motion(joints)
+
+
+def test_joints_may_be_integers_lists_and_halves():
+    for joints in (np.ones((2, 22, 3), int), np.ones((2, 22, 3)).tolist(), np.ones((2, 22, 3), np.float16)):
+        assert Motion(joints) == Motion(np.ones((2, 22, 3), np.float32))
+
+
+def test_joints_too_large_for_single_precision_are_not_finite():
+    with pytest.raises(ValueError, match="finite"):
+        Motion(np.full((2, 22, 3), 1e300))
+
+
 def test_duration_counts_each_frame_for_one_frame_of_time():
     assert Motion(np.zeros((40, 22, 3)), 20).duration == 2.0
 

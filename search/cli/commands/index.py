@@ -94,17 +94,9 @@ def _lower_priority() -> None:
 
 def read_joint_map(path: Path) -> dict[str, str]:
     """Read a joint map from a JSON file: target joint -> joint of the rig."""
-    from encoders.skeleton import JOINTS
+    from indexer.argument_checks import checked_joint_map
 
-    names = options.read_object(path)
-    if not all(isinstance(name, str) for name in names.values()):
-        raise click.ClickException(f'{path}: values must be joint names, such as {{"left_wrist": "LeftHand"}}')
-    unknown = sorted(set(names) - set(JOINTS))
-    if unknown:
-        raise click.ClickException(
-            f"{path}: unknown target joint {', '.join(unknown)}; the target joints are {', '.join(JOINTS)}"
-        )
-    return names
+    return checked_joint_map(options.read_object(path), str(path)) or {}
 
 
 @contextmanager

@@ -10,7 +10,6 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
 from starlette.background import BackgroundTask
 
-from encoders.errors import QueryError
 from encoders.motion import FPS, Motion
 from encoders.skeleton import JOINTS, PARENTS
 from indexer.store.clips import Clip
@@ -101,10 +100,7 @@ def _cut(state: AppState, ref: str, start: float, end: float | None) -> tuple[Mo
     if isinstance(found, Upload):
         cut, frames = found.source.cut(start, end), len(found.source.motion)
     else:
-        try:
-            cut, frames = state.library.motion(found.id, start, end), found.frames
-        except ValueError as error:
-            raise QueryError(f"{error}; give a start and end inside it, in seconds") from None
+        cut, frames = state.library.motion(found.id, start, end), found.frames
     return cut, min(round(start * cut.fps), frames - 1) / cut.fps
 
 

@@ -1,9 +1,11 @@
 """A library from arrays: added, replaced, removed, and left alone by the indexing of folders."""
 
+import threading
+
 import numpy as np
 import pytest
 
-from encoders.errors import ArgumentError, BundleMismatch, LibraryLocked, UnknownClip
+from encoders.errors import ArgumentError, BundleError, BundleMismatch, LibraryLocked, UnknownClip
 from encoders.motion import Motion
 from indexer.ingest.arrays import NewClip, add, remove, to_motion
 from indexer.ingest.indexing import index
@@ -150,10 +152,38 @@ def test_batches_are_committed_as_they_fill(place, bundle, monkeypatch):
         (NewClip("a//b", motion(1)), "must be a path"),
         (NewClip(7, motion(1)), "id 7 must be a string"),
         (NewClip("\ud800", motion(1)), "valid Unicode"),
-        (NewClip("a", np.zeros((4, 21, 3))), r"a: an array of shape \(4, 21, 3\)"),
+        (NewClip("a", np.zeros((4, 21, 3))), r"a: .* joints.shape=\(4, 21, 3\)"),
         (NewClip("a", np.full((4, 22, 3), np.nan)), "must be finite"),
         (NewClip("a", np.zeros((4, 22, 3))), "a: .* same place"),
         (NewClip("a", "walk.bvh"), "a Motion or an array"),
+        (NewClip(" ", motion(1)), "id ' ' must have no"),
+        (NewClip(" a", motion(1)), "id ' a' must have no"),
+        (NewClip("a/b ", motion(1)), "id 'a/b ' must have no"),
+        (NewClip("a\nb", motion(1)), r"id 'a\\nb' must have no control"),
+        (NewClip("a\0b", motion(1)), r"id 'a\\x00b' must have no control"),
+        (NewClip("a\u2028b", motion(1)), "must have no control"),
+        (NewClip(b"a", motion(1)), "id b'a' must be a string"),
+        (NewClip("a", moving(1).astype(complex)), "not of complex128"),
+        (NewClip("a", moving(1).astype(str)), "not of <U"),
+        (NewClip("a", moving(1).astype(object)), "not of object"),
+        (NewClip("a", moving(1) > 0), "not of bool"),
+        (NewClip("a", np.ma.masked_less(moving(1), 0)), "not of masked values"),
+        (NewClip("a", None), "a Motion or an array"),
+        (NewClip("a", [[1, 2], [3]]), "a Motion or an array"),
+        (NewClip("a", moving(1), fps=True), "fps=True"),
+        (NewClip("a", moving(1), fps=1e9), "fps=1000000000.0"),
+        (NewClip("a", Motion(moving(1), 1e-300)), "motion.fps=1e-300"),
+        (NewClip("a", motion(1), captions=b"walks"), "captions must be strings"),
+        (NewClip("a", motion(1), captions={"walks": 1}), "captions must be strings"),
+        (NewClip("a", motion(1), captions=Caption(None)), "captions must be strings"),
+        (NewClip("a", motion(1), captions=Caption("walks", 0, float("inf"))), "end=inf"),
+        (NewClip("a", motion(1), captions=Caption("walks", float("nan"), 1)), "start=nan"),
+        (NewClip("a", motion(1), captions=Caption("walks", -1, 1)), "start=-1"),
+        (NewClip("a", motion(1), captions=Caption("walks", 1, 1)), "start=1 and end=1"),
+        (NewClip("a", motion(1), captions=Caption("walks", "0", 1)), "start='0'"),
+        (NewClip("a", motion(1), captions=Caption("walks", False, 1)), "start=False"),
+        (NewClip("a", motion(1), captions=Caption("walks", 1)), "start=1 and end=None"),
+        (("a", motion(1)), "a list of NewClip, not of tuple"),
         (NewClip("a", moving(1), fps=float("nan")), "fps=nan"),
         (NewClip("a", moving(1), fps="20"), "fps='20'"),
         (NewClip("a", motion(1), fps=30), "not the motion's own 20"),
@@ -182,3 +212,103 @@ def test_clips_come_in_order_of_their_numbers(place, bundle):
     numbers = add(place, [NewClip(f"clip {i}", motion(i, 0.5)) for i in range(70)], bundle)
     with StoredLibrary.open(place) as library:
         assert [clip.id for clip in library.clips()] == sorted(numbers)
+
+
+@pytest.mark.parametrize("items", [None, 5, "a", NewClip("a", motion(1)), {"a": motion(1)}])
+def test_clips_to_add_come_in_a_list(place, bundle, items):
+    with pytest.raises(ArgumentError, match="must be a list of NewClip"):
+        add(place, items, bundle)
+    assert not place.exists()
+
+
+@pytest.mark.parametrize("id", [["a"], 3, None, "\ud800"])
+def test_what_is_removed_is_named_by_strings(place, bundle, id):
+    add(place, [NewClip("a", motion(1))], bundle)
+    with pytest.raises(ArgumentError, match="id "):
+        remove(place, ["a", id])
+    with StoredLibrary.open(place) as library:
+        assert len(library) == 1
+
+
+def test_threads_that_add_wait_for_each_other(place, bundle):
+    errors = []
+
+    def add_some(thread):
+        try:
+            for number in range(5):
+                add(place, [NewClip(f"{thread}/{number}", motion(number, 0.5))], bundle)
+                remove(place, [f"{thread}/{number}"]) if number % 2 else None
+        except Exception as error:
+            errors.append(error)
+
+    threads = [threading.Thread(target=add_some, args=[number]) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert errors == []
+    with StoredLibrary.open(place) as library:
+        assert len(library) == 12
+
+
+def test_adding_while_clips_are_added_is_refused_and_not_waited_for(place, bundle):
+    def items():
+        add(place, [NewClip("inner", motion(1))], bundle)
+        yield NewClip("outer", motion(2))
+
+    with pytest.raises(LibraryLocked, match="being written by process"):
+        add(place, items(), bundle)
+
+
+class BadBundle(SmallBundle):
+    """Gives vectors that something has been done to."""
+
+    def __init__(self, change, texts=lambda vectors: vectors):
+        super().__init__()
+        self.change, self.texts = change, texts
+
+    def encode_features(self, features):
+        return self.change(super().encode_features(features))
+
+    def encode_texts(self, sentences):
+        return self.texts(super().encode_texts(sentences))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda vectors: vectors[:, :8],
+        lambda vectors: vectors * np.nan,
+        lambda vectors: vectors * 2,
+        lambda vectors: vectors * 0,
+        lambda vectors: vectors[:-1],
+        lambda vectors: vectors[0],
+        lambda vectors: vectors.tolist(),
+        lambda vectors: vectors.astype(complex),
+        lambda vectors: vectors * np.where(np.arange(len(vectors)) < 1, 1, 3)[:, None],  # windows alone
+    ],
+)
+def test_a_model_of_other_than_unit_vectors_is_refused_and_leaves_nothing(place, change):
+    bad = BadBundle(change)
+    with pytest.raises(BundleError, match=r"small: vectors of (motions|windows) must be"):
+        add(place, [NewClip("a", motion(1), "walks")], bad)
+    good = SmallBundle("another")  # the library is nobody's yet
+    assert len(add(place, [NewClip("a", motion(1))], good)) == 1
+    with pytest.raises(BundleError):
+        reencode(place, bad)
+    with StoredLibrary.open(place, bundle=good) as library:
+        assert len(library) == 1
+
+
+def test_captions_without_unit_vectors_are_refused_with_their_clips(place):
+    with pytest.raises(BundleError, match="vectors of captions"):
+        add(place, [NewClip("a", motion(1), "walks")], BadBundle(lambda v: v, lambda v: v * np.inf))
+    with StoredLibrary.open(place) as library:
+        assert len(library) == 0
+        assert library.caption_vectors()[0] == []
+
+
+def test_two_sizes_of_one_model_are_refused(place, bundle):
+    add(place, [NewClip("a", motion(1))], bundle)
+    with pytest.raises(BundleError, match=r"latent_size=8, but .* has vectors of 16 numbers"):
+        add(place, [NewClip("b", motion(2))], SmallBundle(latent_size=8))

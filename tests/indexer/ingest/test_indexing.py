@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.errors import BundleMismatch, LibraryError, LibraryLocked
+from encoders.errors import ArgumentError, BundleError, BundleMismatch, LibraryError, LibraryLocked
 from encoders.motion import Motion
 from indexer.ingest import indexing, side_files
 from indexer.ingest.indexing import index
@@ -353,6 +353,74 @@ def test_several_folders_share_a_library(root, bundle, tmp_path):
     assert not (root / FOLDER).exists()
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *[("fps", value) for value in ("25", float("nan"), float("inf"), -5, 0, 1e9, "x", True, 1e-9, [25], 1j)],
+        *[("jobs", value) for value in (-1, 0, "2", True, 1.5, 1000)],
+        *[("joint_map", value) for value in (5, "x", {"head": None}, {"head": 3}, {"head": ""}, {"tail": "Tail"})],
+        *[("joint_map", value) for value in ({None: "Head"}, ["head"])],
+        *[(flag, value) for flag in ("retry", "rebuild") for value in ("yes", 1, None)],
+        *[("bundle", value) for value in (5, "x", SmallBundle)],
+        *[("library", value) for value in (5, "", b"x")],
+        *[("roots", value) for value in (None, 5, b"x", "", [], [None], {"a": 1})],
+        ("progress", 5),
+    ],
+)
+def test_what_makes_no_sense_is_refused_before_anything_is_touched(root, bundle, read_here, name, value):
+    index(root, bundle=bundle)
+    before, generation = paths(root), StoredLibrary.open(root).generation
+    read_here.clear()
+    with pytest.raises(ArgumentError, match=name):
+        index(**{"roots": root, "bundle": bundle, name: value})
+    assert (paths(root), StoredLibrary.open(root).generation) == (before, generation)
+    assert read_here == []
+
+
+def test_numbers_of_numpy_are_options(root, bundle):
+    given = {"fps": np.float32(10), "jobs": np.int64(1), "retry": np.bool_(False)}
+    assert index(root, bundle=bundle, **given).indexed == 3
+
+
+def test_a_file_is_no_root(root, bundle):
+    with pytest.raises(ArgumentError, match=r"roots: .*a.npy is a file; index its folder"):
+        index(root / "a.npy", bundle=bundle)
+    assert sorted(path.name for path in root.iterdir()) == ["a.npy", "b.npy", "day 1"]
+
+
+def test_a_model_of_other_than_unit_vectors_is_refused_and_nothing_is_indexed(root):
+    bad = SmallBundle()
+    bad.encode_features = lambda features: np.zeros((len(features), 16), np.float32)
+    with pytest.raises(BundleError, match="small: vectors of motions must be finite and of length 1"):
+        index(root, bundle=bad)
+    assert index(root, bundle=SmallBundle("another")).indexed == 3
+
+
+@pytest.mark.parametrize("library", [False, True])
+def test_a_folder_that_is_a_library_stays_the_one_library_and_its_own_files_are_no_motions(root, bundle, library):
+    StoredLibrary.open(root, create=True).close()
+    given = {"library": root} if library else {}
+    assert index(root, bundle=bundle, **given).indexed == 3
+    (root / "previews").mkdir()
+    write(root / "previews" / "p.npy", 7)
+    write(root / "vectors" / "v.npy", 8)
+    for more in ({}, {"library": root}):
+        summary = index(root, bundle=bundle, **more)
+        assert (counts(summary), summary.failed_before) == ((0, 3, 0, 0, 0), 0)
+    assert not (root / FOLDER).exists()
+    with StoredLibrary.open(root) as opened:
+        assert (opened.folder, len(opened)) == (root, 3)
+
+
+def test_a_library_below_a_root_is_no_motions(root, bundle, tmp_path):
+    index(root / "day 1", library=root / "lib", bundle=bundle)
+    assert list((root / "lib" / "vectors").rglob("*.npy"))
+    write(root / "lib" / "take.npy", 9)
+    write(root / "vectors" / "d.npy", 10)  # in no library
+    assert counts(index(root, library=tmp_path / "all", bundle=bundle)) == (5, 0, 0, 0, 0)
+    assert paths(tmp_path / "all").keys() == {"a.npy", "b.npy", "day 1/c.npy", "lib/take.npy", "vectors/d.npy"}
+
+
 def test_folders_inside_each_other_are_refused(root, bundle, tmp_path):
     index(root, library=tmp_path / "lib", bundle=bundle)
     with pytest.raises(LibraryError, match="lies inside"):
@@ -481,7 +549,7 @@ def test_reencoding_that_is_cut_off_leaves_the_old_vectors_and_continues(root, b
     features = other.features
 
     def cut_off(motion):
-        if len(encoded) == 2:
+        if len(encoded) == 3:  # the trial and two clips
             raise KeyboardInterrupt
         encoded.append(motion)
         return features(motion)

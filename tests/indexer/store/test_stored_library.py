@@ -5,7 +5,15 @@ import threading
 import numpy as np
 import pytest
 
-from encoders.errors import BundleMismatch, LibraryDamaged, LibraryError, LibraryNotFound, UnknownClip
+from encoders.errors import (
+    ArgumentError,
+    BundleMismatch,
+    LibraryDamaged,
+    LibraryError,
+    LibraryNotFound,
+    QueryError,
+    UnknownClip,
+)
 from encoders.motion import Motion
 from indexer.ingest import indexing
 from indexer.ingest.pool import Read
@@ -88,11 +96,76 @@ def test_clips_are_found_by_path_name_and_number(library, folder, monkeypatch):
 
 @pytest.mark.parametrize(
     ("ref", "reason"),
-    [("#77", "no clip #77"), ("nothing.bvh", "no clip of that path or name"), ("turn", "2 clips are called so")],
+    [
+        ("#77", "no clip #77"),
+        ("nothing.bvh", "no clip of that path or name"),
+        ("turn", "2 clips are called so"),
+        ("", "no clip of that path or name"),
+        ("a\0b", "no clip of that path or name"),
+        ("\ud800", "no clip of that path or name"),
+        ("#" + "9" * 40, "no clip of that path or name"),
+        ("#" + "9" * 9000, "no clip of that path or name"),
+        ("#²", "no clip of that path or name"),
+        ("x" * 9000, "no clip of that path or name"),
+    ],
 )
 def test_what_is_not_one_clip_is_an_error(library, ref, reason):
     with pytest.raises(UnknownClip, match=reason):
         library.find(ref)
+
+
+@pytest.mark.parametrize("ref", [5, None, b"walk", ["walk"], True])
+def test_a_clip_is_named_by_a_string_or_a_path(library, ref):
+    with pytest.raises(ArgumentError, match="ref="):
+        library.find(ref)
+
+
+@pytest.mark.parametrize("method", ["clip", "motion", "captions", "windows"])
+def test_a_number_that_no_clip_has_is_an_error_of_every_method(library, method):
+    for number in (999, 0, -1, 2**70, -(2**70)):
+        with pytest.raises(UnknownClip, match=f"no clip #{number}"):
+            getattr(library, method)(number)
+    for number in ("1", 1.0, None, True, float("nan")):
+        with pytest.raises(ArgumentError, match="id="):
+            getattr(library, method)(number)
+    assert library.clips_by_id([2**70]) == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("start", float("nan")), ("end", float("inf")), ("start", "1"), ("end", True), ("end", 10**400)]
+)
+def test_a_span_is_of_finite_numbers(library, name, value):
+    with pytest.raises(ArgumentError, match=f"{name}="):
+        library.motion(1, **{name: value})
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("folder", 5), ("folder", None), ("folder", ""), ("folder", b"x"), ("folder", "a\0b"), ("bundle", "x"),
+     ("bundle", SmallBundle), ("bundle", object()), ("create", "yes"), ("create", None)],
+)  # fmt: skip
+def test_arguments_of_open_are_refused_by_name(tmp_path, name, value):
+    with pytest.raises(ArgumentError, match=name):
+        StoredLibrary.open(**{"folder": tmp_path / "new", "create": True, name: value})
+    assert not (tmp_path / "new").exists()
+
+
+def test_threads_may_make_one_library(tmp_path):
+    errors = []
+
+    def make():
+        try:
+            with StoredLibrary.open(tmp_path / "new", create=True) as library:
+                assert len(library) == 0
+        except Exception as error:
+            errors.append(error)
+
+    threads = [threading.Thread(target=make) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert errors == []
 
 
 def test_motions_come_back_to_within_a_millimetre(library):
@@ -120,7 +193,7 @@ def test_reading_a_span_reads_only_its_chunks(library, monkeypatch):
 
 @pytest.mark.parametrize("span", [(12, 13), (3, 3), (4, 2)])
 def test_a_span_outside_the_motion_is_an_error(library, span):
-    with pytest.raises(ValueError, match="lies outside"):
+    with pytest.raises(QueryError, match="lies outside"):
         library.motion(library.find("other/turn.npy").id, *span)
 
 

@@ -1,0 +1,164 @@
+"""Arguments of the library and of indexing, checked before anything is read or written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import isfinite
+from numbers import Integral, Real
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from encoders.errors import ArgumentError
+from encoders.protocol import Encoder
+from encoders.skeleton import JOINTS
+
+#: Frame rates that can be given, in frames a second, and numbers of reading processes.
+LOWEST_RATE, HIGHEST_RATE = 1, 10_000
+MOST_JOBS = 256
+#: What indexing needs of an `Encoder`: values by their type, and methods.
+_ENCODER_VALUES = {"name": str, "fingerprint": str, "fps": Real, "max_frames": Integral, "latent_size": Integral}
+_ENCODER_METHODS = ("features", "encode_features", "encode_texts")
+
+
+def finite_number(value: Any) -> float | None:
+    """A finite real number as a float; None for anything else."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return None
+    try:
+        number = float(value)
+    except OverflowError:
+        return None
+    return number if isfinite(number) else None
+
+
+def whole_number(value: Any) -> int | None:
+    """A whole number as an int; None for anything else."""
+    return None if isinstance(value, bool) or not isinstance(value, Integral) else int(value)
+
+
+def checked_path(name: str, value: Any) -> Path:
+    """A path: a string or path-like object that is not empty.
+
+    Raises
+    ------
+    ArgumentError
+        If it is none.
+    """
+    text = fspath(value) if isinstance(value, (str, PathLike)) else None
+    if not isinstance(text, str) or not text or "\0" in text:
+        raise ArgumentError(f"{name}={value!r} must be a path")
+    return Path(text)
+
+
+def checked_flag(name: str, value: Any) -> bool:
+    """True or False.
+
+    Raises
+    ------
+    ArgumentError
+        If it is something else.
+    """
+    if not isinstance(value, (bool, np.bool_)):
+        raise ArgumentError(f"{name}={value!r} must be True or False")
+    return bool(value)
+
+
+def checked_rate(fps: Any, name: str = "fps") -> float | None:
+    """A frame rate, or None.
+
+    Raises
+    ------
+    ArgumentError
+        If it is no number from `LOWEST_RATE` to `HIGHEST_RATE`.
+    """
+    if fps is None:
+        return None
+    rate = finite_number(fps)
+    if rate is None or not LOWEST_RATE <= rate <= HIGHEST_RATE:
+        raise ArgumentError(f"{name}={fps!r} must be a number of frames a second, {LOWEST_RATE} to {HIGHEST_RATE}")
+    return rate
+
+
+def checked_jobs(jobs: Any) -> int | None:
+    """A number of processes, or None.
+
+    Raises
+    ------
+    ArgumentError
+        If it is no whole number from 1 to `MOST_JOBS`.
+    """
+    if jobs is None:
+        return None
+    count = whole_number(jobs)
+    if count is None or not 1 <= count <= MOST_JOBS:
+        raise ArgumentError(f"jobs={jobs!r} must be a whole number of processes, 1 to {MOST_JOBS}")
+    return count
+
+
+def checked_joint_map(names: Any, name: str = "joint_map") -> dict[str, str] | None:
+    """A joint map (target joint to joint of the file), or None.
+
+    Raises
+    ------
+    ArgumentError
+        If it is no mapping of target joints to names.
+    """
+    if names is None:
+        return None
+    if not isinstance(names, Mapping) or not all(isinstance(joint, str) and joint for joint in names.values()):
+        raise ArgumentError(f'{name}: values must be joint names, such as {{"left_wrist": "LeftHand"}}')
+    unknown = sorted(str(target) for target in names if target not in JOINTS)
+    if unknown:
+        raise ArgumentError(
+            f"{name}: unknown target joint {', '.join(unknown)}; the target joints are {', '.join(JOINTS)}"
+        )
+    return dict(names)
+
+
+def checked_encoder(bundle: Any) -> Encoder | None:
+    """A model, or None.
+
+    Raises
+    ------
+    ArgumentError
+        If it lacks what indexing needs of an `encoders.protocol.Encoder`.
+    """
+    if bundle is None:
+        return None
+    wrong = [name for name, kind in _ENCODER_VALUES.items() if not isinstance(getattr(bundle, name, None), kind)]
+    wrong += [name for name in _ENCODER_METHODS if not callable(getattr(bundle, name, None))]
+    if wrong or isinstance(bundle, type):
+        raise ArgumentError(f"bundle={bundle!r} must be an Encoder, such as Bundle.load(); missing: {', '.join(wrong)}")
+    model: Encoder = bundle
+    return model
+
+
+def checked_clip_id(id: Any) -> int:
+    """The number of a clip.
+
+    Raises
+    ------
+    ArgumentError
+        If it is no whole number.
+    """
+    number = whole_number(id)
+    if number is None:
+        raise ArgumentError(f"id={id!r} must be the number of a clip")
+    return number
+
+
+def checked_time(name: str, value: Any) -> float | None:
+    """A time in seconds, or None.
+
+    Raises
+    ------
+    ArgumentError
+        If it is no finite number.
+    """
+    number = finite_number(value)
+    if value is not None and number is None:
+        raise ArgumentError(f"{name}={value!r} must be a finite number")
+    return number
