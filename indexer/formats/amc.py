@@ -1,4 +1,8 @@
-"""ASF/AMC: a skeleton file (.asf) and motions (.amc) that belong to it, found beside each other."""
+"""ASF/AMC: a skeleton file (.asf) and motions (.amc) that belong to it, found beside each other.
+
+Neither states a frame rate: it is 120 by default (`default_fps` in `indexer.formats.table`), or given; see
+`indexer.store.read_options` for what takes precedence.
+"""
 
 from __future__ import annotations
 

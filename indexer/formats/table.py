@@ -1,5 +1,7 @@
 """The table of formats: for each its ending, reader, signature, companion files and default frame rate.
 
+Which frame rate a file is read at, and what overrides it: `indexer.store.read_options`.
+
 A new format is one module beside this one, with a function `read(path, data, *, fps=None) -> Take`, and one row here.
 """
 
@@ -45,7 +47,7 @@ class Format:
     needs_ending : bool
         Other formats share the signature, so that the ending must be right as well.
     default_fps : float or None
-        Frame rate of a file that states none; None where every file states one.
+        Frame rate of a file that states none and for which none is given; None where every file states one.
     states_fps : bool
         Whether a file can state its frame rate.
     companion : Companion or None
@@ -73,7 +75,7 @@ FORMATS = (
 READABLE: dict[str, Format] = {row.ending: row for row in FORMATS}
 
 
-class ForeignFormat(NamedTuple):
+class UnsupportedFormat(NamedTuple):
     """A format that is known but cannot be read.
 
     Files of motion (`is_motion`) are listed as failed where a folder is indexed; the others are passed over. Some
@@ -87,34 +89,34 @@ class ForeignFormat(NamedTuple):
     is_motion: bool = True
 
 
-FOREIGN = (
-    ForeignFormat("FBX", (".fbx",), (b"kaydara fbx binary", b"; fbx"), is_scene=True),
-    ForeignFormat("glTF", (".glb", ".gltf"), (b"gltf",), is_scene=True),
-    ForeignFormat("USD", (".usd", ".usda", ".usdc", ".usdz"), (b"#usda", b"pxr-usdc"), is_scene=True),
-    ForeignFormat("Collada", (".dae",), is_scene=True),
-    ForeignFormat("C3D", (".c3d",), is_scene=True),
-    ForeignFormat("TRC", (".trc",), is_scene=True),
-    ForeignFormat("Blender", (".blend",), is_scene=True),
-    ForeignFormat("Alembic", (".abc",)),
-    ForeignFormat("ANIM", (".anim",)),
-    ForeignFormat("Biped", (".bip",)),
-    ForeignFormat("CSM", (".csm",)),
-    ForeignFormat("HTR", (".htr",)),
-    ForeignFormat("MVNX", (".mvnx",)),
-    ForeignFormat("Motive TAK", (".tak",)),
-    ForeignFormat("VMD", (".vmd",)),
-    ForeignFormat("VRM", (".vrm", ".vrma")),
-    ForeignFormat("pickle", (".pkl",), is_motion=False),
-    ForeignFormat("PyTorch", (".pt",), is_motion=False),
-    ForeignFormat("CSV", (".csv",), is_motion=False),
-    ForeignFormat("ZIP", (".zip",), is_motion=False),
+UNSUPPORTED = (
+    UnsupportedFormat("FBX", (".fbx",), (b"kaydara fbx binary", b"; fbx"), is_scene=True),
+    UnsupportedFormat("glTF", (".glb", ".gltf"), (b"gltf",), is_scene=True),
+    UnsupportedFormat("USD", (".usd", ".usda", ".usdc", ".usdz"), (b"#usda", b"pxr-usdc"), is_scene=True),
+    UnsupportedFormat("Collada", (".dae",), is_scene=True),
+    UnsupportedFormat("C3D", (".c3d",), is_scene=True),
+    UnsupportedFormat("TRC", (".trc",), is_scene=True),
+    UnsupportedFormat("Blender", (".blend",), is_scene=True),
+    UnsupportedFormat("Alembic", (".abc",)),
+    UnsupportedFormat("ANIM", (".anim",)),
+    UnsupportedFormat("Biped", (".bip",)),
+    UnsupportedFormat("CSM", (".csm",)),
+    UnsupportedFormat("HTR", (".htr",)),
+    UnsupportedFormat("MVNX", (".mvnx",)),
+    UnsupportedFormat("Motive TAK", (".tak",)),
+    UnsupportedFormat("VMD", (".vmd",)),
+    UnsupportedFormat("VRM", (".vrm", ".vrma")),
+    UnsupportedFormat("pickle", (".pkl",), is_motion=False),
+    UnsupportedFormat("PyTorch", (".pt",), is_motion=False),
+    UnsupportedFormat("CSV", (".csv",), is_motion=False),
+    UnsupportedFormat("ZIP", (".zip",), is_motion=False),
 )
-_FOREIGN_ENDINGS = {ending: row for row in FOREIGN for ending in row.endings}
+_UNSUPPORTED_ENDINGS = {ending: row for row in UNSUPPORTED for ending in row.endings}
 
 
 def is_motion(ending: str) -> bool:
     """Whether files of an ending are motions, whether or not they can be read."""
-    return ending in READABLE or (ending in _FOREIGN_ENDINGS and _FOREIGN_ENDINGS[ending].is_motion)
+    return ending in READABLE or (ending in _UNSUPPORTED_ENDINGS and _UNSUPPORTED_ENDINGS[ending].is_motion)
 
 
 def detect(path: str | PathLike[str], data: bytes) -> Format:
@@ -133,8 +135,8 @@ def detect(path: str | PathLike[str], data: bytes) -> Format:
     ending = Path(path).suffix.lower()
     start = data[:START].removeprefix(_BOM).lstrip().lower()
     is_text = b"\0" not in start
-    foreign = next((row for row in FOREIGN if start.startswith(row.signatures)), None)
-    if foreign is None:
+    unsupported = next((row for row in UNSUPPORTED if start.startswith(row.signatures)), None)
+    if unsupported is None:
         for row in FORMATS:
             if row.companion and is_text and row.companion.signature in data[:COMPANION_START].lower():
                 raise UnreadableMotion(
@@ -145,10 +147,10 @@ def detect(path: str | PathLike[str], data: bytes) -> Format:
                 return row
         if is_text and ending in READABLE and READABLE[ending].is_text:
             return READABLE[ending]
-        foreign = _FOREIGN_ENDINGS.get(ending)
-    if foreign is not None and foreign.is_scene:
+        unsupported = _UNSUPPORTED_ENDINGS.get(ending)
+    if unsupported is not None and unsupported.is_scene:
         raise UnreadableMotion(
-            path, f"{foreign.name} cannot be read; export it as BVH, as Blender and MotionBuilder do"
+            path, f"{unsupported.name} cannot be read; export it as BVH, as Blender and MotionBuilder do"
         )
-    name = "this kind of file" if foreign is None else foreign.name
+    name = "this kind of file" if unsupported is None else unsupported.name
     raise UnreadableMotion(path, f"{name} cannot be read; what can be: {', '.join(READABLE)}")

@@ -127,9 +127,11 @@ def compare(
         else:
             taken.add(origin)
             changes.moved.append((origin, root_id, file))
-    unseen = tuple(folder.path + "/" for folder in folders if folder.error)
+    unlistable = tuple(folder.path + "/" for folder in folders if folder.error)
     changes.gone = [
-        old for path, old in known.items() if path not in found and old.id not in taken and not path.startswith(unseen)
+        old
+        for path, old in known.items()
+        if path not in found and old.id not in taken and not path.startswith(unlistable)
     ]
     return changes
 

@@ -36,13 +36,13 @@ def read(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tupl
     take = read_take(path, fps=fps)
     digest = blake2b("\0".join(take.names).encode("utf-8", "replace"), digest_size=2).hexdigest()
     rig = f"{take.names[0]}-{len(take.names)}-{digest}" if take.names else ""
-    foreign = [name for name in (joint_map or {}).values() if name not in take.names]
+    unknown = [name for name in (joint_map or {}).values() if name not in take.names]
     try:
-        return retarget(take, path=path, joint_map=None if foreign else joint_map), rig
+        return retarget(take, path=path, joint_map=None if unknown else joint_map), rig
     except UnreadableMotion as error:
-        if not foreign:
+        if not unknown:
             raise
-        raise UnreadableMotion(path, f"{error.reason} (the joint map given names {foreign[0]!r}, not in it)") from None
+        raise UnreadableMotion(path, f"{error.reason} (the joint map given names {unknown[0]!r}, not in it)") from None
 
 
 def serve(target: str = "indexer.ingest.worker:read") -> None:

@@ -19,7 +19,7 @@ SURE, MAYBE, TIP = 0.0, 1.0, 2.0
 _TOKEN = re.compile(r"[A-Z]+(?![a-z])|[A-Z][a-z]+|[a-z]+|\d+|[^\W\d_a-zA-Z]+")
 
 
-class Name(NamedTuple):
+class JointName(NamedTuple):
     """The meaning of a joint's name.
 
     Attributes
@@ -61,7 +61,7 @@ def vocabulary() -> Vocabulary:
 
 
 @lru_cache(maxsize=4096)
-def understand(name: str) -> Name:
+def parse_joint_name(name: str) -> JointName:
     """Side and possible roles of a joint name.
 
     Namespaces ("mixamorig:"), prefixes ("Bip01", "CC_Base_"), numbers, and the way sides are marked ("L_", "_l",
@@ -69,7 +69,7 @@ def understand(name: str) -> Name:
     """
     words_of = vocabulary()
     if name.startswith("__"):  # connectors that MakeHuman puts between a joint and its branches
-        return Name("", {}, False)
+        return JointName("", {}, False)
     plain = unicodedata.normalize("NFKC", re.split(r"[:|]", name)[-1])
     tokens = [token.lower() for token in _TOKEN.findall(plain)]
     side = next((words_of.sides[token] for token in tokens if token in words_of.sides), "")
@@ -77,7 +77,7 @@ def understand(name: str) -> Name:
     is_tip = bool(words) and words[-1] in words_of.ends
     words = [word for word in words if word not in words_of.ends] if is_tip else words
     found = _find(words, side) or _find([word for word in words if word not in words_of.affixes], side)
-    return Name(*(found or (side, {})), is_tip)
+    return JointName(*(found or (side, {})), is_tip)
 
 
 def _find(words: list[str], side: str) -> tuple[str, dict[str, float]] | None:

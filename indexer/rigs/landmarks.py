@@ -1,4 +1,4 @@
-"""Figure: where a body's landmarks are over time, in the file's units, before it is rebuilt on the 22 joints."""
+"""Landmarks: where the joints of a body are over time, in the file's units, before it is rebuilt on the 22 joints."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from indexer.rigs.mapping import SIDES, RigMap
 
 
 @dataclass(frozen=True)
-class Figure:
+class Landmarks:
     """Landmarks and back of a body.
 
     Attributes
@@ -27,7 +27,7 @@ class Figure:
     spine: Array
 
     @classmethod
-    def of(cls, positions: Array, rig: RigMap) -> Figure:
+    def of(cls, positions: Array, rig: RigMap) -> Landmarks:
         """The landmarks among joint positions (T, J, 3); a missing neck or head is placed from the other."""
         marks = {name: positions[:, joint] for name, joint in rig.joints.items()}
         for side in SIDES:
@@ -45,17 +45,17 @@ class Figure:
     def __len__(self) -> int:
         return len(self.spine)
 
-    def __getitem__(self, frames: slice) -> Figure:
-        return Figure({name: place[frames] for name, place in self.marks.items()}, self.spine[frames])
+    def __getitem__(self, frames: slice) -> Landmarks:
+        return Landmarks({name: place[frames] for name, place in self.marks.items()}, self.spine[frames])
 
-    def transformed(self, matrix: Array) -> Figure:
+    def transformed(self, matrix: Array) -> Landmarks:
         """Every point times a matrix (3, 3): turned, mirrored or scaled."""
-        return Figure({name: place @ matrix.T for name, place in self.marks.items()}, self.spine @ matrix.T)
+        return Landmarks({name: place @ matrix.T for name, place in self.marks.items()}, self.spine @ matrix.T)
 
-    def sampled(self, at: Array) -> Figure:
-        """The figure at times counted in frames, interpolated linearly."""
+    def sampled(self, at: Array) -> Landmarks:
+        """The landmarks at times counted in frames, interpolated linearly."""
         marks = {name: interpolate(place, at) for name, place in self.marks.items()}
-        return Figure(marks, interpolate(self.spine, at))
+        return Landmarks(marks, interpolate(self.spine, at))
 
     def middle(self, joint: str) -> Array:
         """Point (T, 3) between the left and the right one."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from encoders.errors import UnknownRig, UnreadableMotion
 from encoders.skeleton import INDEX
-from indexer.rigs.joint_names import TIP, Name, understand
+from indexer.rigs.joint_names import TIP, JointName, parse_joint_name
 from indexer.rigs.shape import head_above, map_shape
 from indexer.rigs.topology import meeting, paths, route
 from indexer.take import Take
@@ -85,7 +85,7 @@ def map_rig(take: Take, path: str | PathLike[str], joint_map: Mapping[str, str] 
 
 def map_names(take: Take) -> dict[str, int]:
     """Landmarks by joint names alone; may be incomplete."""
-    names = [understand(name) for name in take.names]
+    names = [parse_joint_name(name) for name in take.names]
     ways = paths(take.parents)
     joints = _best(ways, names, TRUNK, "")
     for side in SIDES:
@@ -106,13 +106,15 @@ def _given(take: Take, path: str | PathLike[str], joint_map: Mapping[str, str]) 
     return given
 
 
-def _best(ways: Sequence[Sequence[int]], names: Sequence[Name], roles: Sequence[str], side: str) -> dict[str, int]:
+def _best(ways: Sequence[Sequence[int]], names: Sequence[JointName], roles: Sequence[str], side: str) -> dict[str, int]:
     """The most valuable assignment of a limb's roles along any path."""
     found = [_assign(way, names, roles, side) for way in ways]
     return max(found, key=lambda x: x[0])[1] if found else {}
 
 
-def _assign(way: Sequence[int], names: Sequence[Name], roles: Sequence[str], side: str) -> tuple[float, dict[str, int]]:
+def _assign(
+    way: Sequence[int], names: Sequence[JointName], roles: Sequence[str], side: str
+) -> tuple[float, dict[str, int]]:
     """Roles to joints, both in order, by dynamic programming over (joints seen, roles used)."""
     nothing: tuple[float, dict[str, int]] = (-np.inf, {})
     best: list[tuple[float, dict[str, int]]] = [(0.0, {}), *[nothing] * len(roles)]

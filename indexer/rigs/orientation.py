@@ -1,11 +1,11 @@
-"""Which way is up, and whether the figure is seen in a mirror."""
+"""Which way is up, and whether the body is seen in a mirror."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from encoders.geometry import Array, unit
-from indexer.rigs.landmarks import Figure
+from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import SIDES
 from indexer.rigs.rest_pose import standing_axes
 
@@ -25,19 +25,19 @@ _CLEAR = 0.4  # mean cosine that decides
 _FLOOR = 0.2  # leg lengths within which the lowest point lies where there is a floor at height 0
 
 
-def orientation(figure: Figure, rest: Figure) -> Array:
-    """The matrix (3, 3) that brings a figure to Y up and right-handed: a rotation, a mirror where it is seen in one."""
-    turn = _TO_Y[_up(figure, rest)]
-    return np.diag([-1.0, 1, 1]) @ turn if is_mirrored(figure, rest) else turn
+def orientation(landmarks: Landmarks, rest: Landmarks) -> Array:
+    """The matrix (3, 3) that brings landmarks to Y up and right-handed: a rotation, mirrored where needed."""
+    turn = _TO_Y[_up(landmarks, rest)]
+    return np.diag([-1.0, 1, 1]) @ turn if is_mirrored(landmarks, rest) else turn
 
 
-def _up(figure: Figure, rest: Figure) -> int:
+def _up(landmarks: Landmarks, rest: Landmarks) -> int:
     """Which of +x, +y, +z, -x, -y, -z is up: where heads are over hips, and hips over feet, most of the time.
 
     Someone may lie all the time: then the rest pose decides, if by it the body lies on a floor at height 0.
     """
-    trunk = unit(figure.marks["head"] - figure.middle("hip"))
-    legs = unit(figure.middle("hip") - figure.middle("ankle"))
+    trunk = unit(landmarks.marks["head"] - landmarks.middle("hip"))
+    legs = unit(landmarks.middle("hip") - landmarks.middle("ankle"))
     upright = _AXES @ (trunk + legs).mean(axis=0) / 2
     best = int(np.argmax(upright + _HABIT))
     standing = standing_axes(rest)
@@ -46,34 +46,34 @@ def _up(figure: Figure, rest: Figure) -> int:
     at_rest = int(np.argmax(_AXES @ standing[:, 1]))
     if upright[best] < _CLEAR:
         return at_rest
-    lies = _has_floor(figure, _AXES[at_rest]) and not _has_floor(figure, _AXES[best])
+    lies = _has_floor(landmarks, _AXES[at_rest]) and not _has_floor(landmarks, _AXES[best])
     return at_rest if lies else best
 
 
-def _has_floor(figure: Figure, up: Array) -> bool:
+def _has_floor(landmarks: Landmarks, up: Array) -> bool:
     """Is the lowest point of the body at height 0, usually?"""
-    lowest = (figure.points() @ up).min(axis=-1)
-    return bool(abs(np.median(lowest)) < _FLOOR * figure.leg_length())
+    lowest = (landmarks.points() @ up).min(axis=-1)
+    return bool(abs(np.median(lowest)) < _FLOOR * landmarks.leg_length())
 
 
-def is_mirrored(figure: Figure, rest: Figure) -> bool:
+def is_mirrored(landmarks: Landmarks, rest: Landmarks) -> bool:
     """Do feet and knees point backwards, if what is called left is on the left?
 
     Such a file was written with axes of the other hand.
     """
-    feet, knees = _ahead(figure)
+    feet, knees = _ahead(landmarks)
     if standing_axes(rest) is not None:
         feet = (feet + _ahead(rest)[0]) / 2
-    return feet < -_CLEAR and knees < 0 if "left_toe" in figure.marks else knees < -0.1
+    return feet < -_CLEAR and knees < 0 if "left_toe" in landmarks.marks else knees < -0.1
 
 
-def _ahead(figure: Figure) -> tuple[float, float]:
+def _ahead(landmarks: Landmarks) -> tuple[float, float]:
     """How far, on average, feet point forward (cosine) and knees stand forward of the leg (in leg lengths)."""
-    forward = unit(np.cross(figure.across("hip"), figure.marks["head"] - figure.middle("hip")))
+    forward = unit(np.cross(landmarks.across("hip"), landmarks.marks["head"] - landmarks.middle("hip")))
     feet, knees = [], []
     for side in SIDES:
-        middle = (figure.marks[f"{side}_hip"] + figure.marks[f"{side}_ankle"]) / 2
-        knees.append(((figure.marks[f"{side}_knee"] - middle) * forward).sum(-1).mean() / figure.leg_length())
-        if f"{side}_toe" in figure.marks:
-            feet.append((unit(figure.bone(f"{side}_ankle", f"{side}_toe")) * forward).sum(-1).mean())
+        middle = (landmarks.marks[f"{side}_hip"] + landmarks.marks[f"{side}_ankle"]) / 2
+        knees.append(((landmarks.marks[f"{side}_knee"] - middle) * forward).sum(-1).mean() / landmarks.leg_length())
+        if f"{side}_toe" in landmarks.marks:
+            feet.append((unit(landmarks.bone(f"{side}_ankle", f"{side}_toe")) * forward).sum(-1).mean())
     return float(np.mean(feet)) if feet else 0.0, float(np.mean(knees))

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from encoders.geometry import Array, angle_between, frames, rotation_between, unit
-from indexer.rigs.landmarks import Figure
+from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import SIDES
 
 #: From neck to head, and from ankle to the ball of the foot, in a standing body facing +Z (means over KIT-ML).
@@ -30,7 +30,7 @@ _NARROW = 0.1  # leg lengths that shoulders are at least away from the neck
 
 
 @dataclass(frozen=True)
-class Calibration:
+class RestPoseCorrection:
     """Constant rotations (3, 3) of a rig, and its bends in degrees, at rest.
 
     `low` and `high` are what the pelvis' and the chest's frames are in a standing body; `head` and `feet` turn
@@ -55,11 +55,11 @@ class Calibration:
         return place
 
 
-def trunk_frames(figure: Figure) -> tuple[Array, Array]:
+def trunk_frames(landmarks: Landmarks) -> tuple[Array, Array]:
     """Frames (T, 3, 3) of pelvis and chest: left, up, forward."""
-    hips, neck = figure.middle("hip"), figure.marks["neck"]
-    waist = _waist(np.concatenate([hips[:, None], figure.spine, neck[:, None]], axis=1))
-    return frames(figure.across("hip"), waist - hips), frames(figure.across("shoulder"), neck - waist)
+    hips, neck = landmarks.middle("hip"), landmarks.marks["neck"]
+    waist = _waist(np.concatenate([hips[:, None], landmarks.spine, neck[:, None]], axis=1))
+    return frames(landmarks.across("hip"), waist - hips), frames(landmarks.across("shoulder"), neck - waist)
 
 
 def _waist(back: Array) -> Array:
@@ -73,21 +73,21 @@ def _waist(back: Array) -> Array:
     return point
 
 
-def foot_frames(figure: Figure, side: str) -> Array:
+def foot_frames(landmarks: Landmarks, side: str) -> Array:
     """Frames (T, 3, 3) at an ankle: left, up the shank, forward."""
-    return frames(figure.across("hip"), figure.bone(f"{side}_ankle", f"{side}_knee"))
+    return frames(landmarks.across("hip"), landmarks.bone(f"{side}_ankle", f"{side}_knee"))
 
 
-def calibrate(figure: Figure, rest: Figure) -> Calibration:
+def rest_pose_correction(landmarks: Landmarks, rest: Landmarks) -> RestPoseCorrection:
     """The constants of a rig, from its rest pose (T = 1) where that shows a standing body, else from its movement.
 
-    `figure` is right-handed with Y up, `rest` right-handed.
+    `landmarks` are right-handed with Y up, those of `rest` right-handed.
     """
     standing = standing_axes(rest)
-    return _from_movement(figure) if standing is None else _from_rest(rest.transformed(standing.T))
+    return _from_movement(landmarks) if standing is None else _from_rest(rest.transformed(standing.T))
 
 
-def _from_rest(body: Figure) -> Calibration:
+def _from_rest(body: Landmarks) -> RestPoseCorrection:
     """The constants of a rig from a standing body (T = 1) with Y up that faces +Z."""
     low, high = (frame[0] for frame in trunk_frames(body))
     feet, bends = {}, {}
@@ -101,23 +101,23 @@ def _from_rest(body: Figure) -> Calibration:
             angle = float(angle_between(*bones)[0])
             bends[f"{side}_{bend}"] = angle if angle < _MAX_BEND else 0.0
     head = rotation_between(body.bone("neck", "head")[0] * _SAGITTAL, HEAD)
-    return Calibration(low, high, head, feet, bends, _shoulders(_from_neck(body), body.leg_length()))
+    return RestPoseCorrection(low, high, head, feet, bends, _shoulders(_from_neck(body), body.leg_length()))
 
 
-def _from_movement(figure: Figure) -> Calibration:
+def _from_movement(landmarks: Landmarks) -> RestPoseCorrection:
     """What movement shows without a rest pose: where the shoulders usually are, and how feet lie on the floor."""
-    _, high = trunk_frames(figure)
-    shoulders = _shoulders(high.swapaxes(-1, -2) @ _from_neck(figure), figure.leg_length())
-    return Calibration(feet={side: _planted(figure, side) for side in SIDES}, shoulders=shoulders)
+    _, high = trunk_frames(landmarks)
+    shoulders = _shoulders(high.swapaxes(-1, -2) @ _from_neck(landmarks), landmarks.leg_length())
+    return RestPoseCorrection(feet={side: _planted(landmarks, side) for side in SIDES}, shoulders=shoulders)
 
 
-def _planted(figure: Figure, side: str) -> Array:
+def _planted(landmarks: Landmarks, side: str) -> Array:
     """The turn (3, 3) that lets a foot lie on the floor as the target's does, by the frames where it is lowest."""
-    if f"{side}_toe" not in figure.marks:
+    if f"{side}_toe" not in landmarks.marks:
         return np.eye(3)
-    height = figure.marks[f"{side}_ankle"][:, 1]
+    height = landmarks.marks[f"{side}_ankle"][:, 1]
     down = height <= np.quantile(height, _DOWN)
-    foot = unit(figure.bone(f"{side}_ankle", f"{side}_toe"))[down]
+    foot = unit(landmarks.bone(f"{side}_ankle", f"{side}_toe"))[down]
     pitch = float(np.median(np.arcsin(np.clip(foot[:, 1], -1, 1))))
     wanted = float(np.arctan2(FOOT[1], FOOT[2]))
     turn = float(np.clip(pitch - wanted, -_MAX_TILT, _MAX_TILT))
@@ -125,9 +125,9 @@ def _planted(figure: Figure, side: str) -> Array:
     return np.array([[1, 0, 0], [0, cos, -sin], [0, sin, cos]])
 
 
-def _from_neck(figure: Figure) -> Array:
+def _from_neck(landmarks: Landmarks) -> Array:
     """Columns (T, 3, 2): the left and the right shoulder from the neck."""
-    return np.stack([figure.bone("neck", f"{side}_shoulder") for side in SIDES], axis=-1)
+    return np.stack([landmarks.bone("neck", f"{side}_shoulder") for side in SIDES], axis=-1)
 
 
 def _shoulders(from_neck: Array, leg: float) -> Array:
@@ -138,7 +138,7 @@ def _shoulders(from_neck: Array, leg: float) -> Array:
     return place
 
 
-def standing_axes(rest: Figure) -> Array | None:
+def standing_axes(rest: Landmarks) -> Array | None:
     """Left, up and forward (3, 3) of a rest pose that stands along the file's axes; None if it does not stand."""
     trunk = (rest.marks["neck"] - rest.middle("hip"))[0]
     legs = (rest.middle("hip") - rest.middle("ankle"))[0]

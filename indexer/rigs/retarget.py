@@ -12,11 +12,11 @@ from encoders.errors import UnreadableMotion
 from encoders.geometry import angle_between, interpolate
 from encoders.motion import FPS, Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS
-from indexer.rigs.landmarks import Figure
+from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import SIDES, map_rig
 from indexer.rigs.orientation import orientation
 from indexer.rigs.rebuild import ARM, LEG, build, rebuild
-from indexer.rigs.rest_pose import calibrate
+from indexer.rigs.rest_pose import rest_pose_correction
 from indexer.take import Take
 
 #: Upper leg and shank of the target skeleton, metres.
@@ -66,20 +66,20 @@ def retarget(
     rig = map_rig(take, path, joint_map)
     rate = fps or take.fps or FPS
     _check_duration(path, len(take.positions) / rate)
-    figure, rest = Figure.of(take.positions, rig), Figure.of(take.rest[None], rig)
-    posing = frames_before_movement(figure, rest, rate)
+    landmarks, rest = Landmarks.of(take.positions, rig), Landmarks.of(take.rest[None], rig)
+    posing = frames_before_movement(landmarks, rest, rate)
     if posing:
-        figure, rest = figure[posing:], figure[:1]
-    _check_bones(path, figure)
-    at = _grid(len(figure), rate)
-    figure = figure.sampled(at)
-    matrix = orientation(figure, rest)
-    scale = LEG_LENGTH / figure.leg_length()
+        landmarks, rest = landmarks[posing:], landmarks[:1]
+    _check_bones(path, landmarks)
+    at = _grid(len(landmarks), rate)
+    landmarks = landmarks.sampled(at)
+    matrix = orientation(landmarks, rest)
+    scale = LEG_LENGTH / landmarks.leg_length()
     if take.names == JOINTS and not joint_map:
         joints = rebuild(interpolate(take.positions[posing:], at) @ matrix.T, scale)
     else:
-        figure, rest = figure.transformed(matrix), rest.transformed(matrix)
-        joints = build(figure, scale, calibrate(figure, rest))
+        landmarks, rest = landmarks.transformed(matrix), rest.transformed(matrix)
+        joints = build(landmarks, scale, rest_pose_correction(landmarks, rest))
     joints[..., 1] -= joints[..., 1].min()
     if not np.isfinite(joints).all():
         raise UnreadableMotion(path, "its values are too large to be places of joints")
@@ -91,12 +91,12 @@ def _check_duration(path: str | PathLike[str], seconds: float) -> None:
         raise UnreadableMotion(path, f"it would last {seconds / 3600:.3g} hours; give the true frame rate with fps")
 
 
-def _check_bones(path: str | PathLike[str], figure: Figure) -> None:
+def _check_bones(path: str | PathLike[str], landmarks: Landmarks) -> None:
     """Every limb must have a length, and hips and shoulders a width, for directions to mean anything."""
-    size = figure.leg_length()
+    size = landmarks.leg_length()
     pairs = [(f"{side}_{a}", f"{side}_{b}") for side in SIDES for limb in (LEG, ARM) for a, b in pairwise(limb)]
     pairs += [("left_hip", "right_hip"), ("left_shoulder", "right_shoulder")]
-    flat = [pair for pair in pairs if not np.median(np.linalg.norm(figure.bone(*pair), axis=-1)) > _POINT * size]
+    flat = [pair for pair in pairs if not np.median(np.linalg.norm(landmarks.bone(*pair), axis=-1)) > _POINT * size]
     if not np.isfinite(size) or flat:
         a, b = flat[0] if flat else pairs[0]
         raise UnreadableMotion(path, f"{a} and {b} are at the same place: this skeleton has no body's shape")
@@ -109,15 +109,15 @@ def _grid(frames: int, rate: float) -> NDArray[np.float64]:
     return at
 
 
-def frames_before_movement(figure: Figure, rest: Figure, rate: float) -> int:
+def frames_before_movement(landmarks: Landmarks, rest: Landmarks, rate: float) -> int:
     """How many first frames are no movement: a rest pose or T-pose, and the rush from there to the first real pose.
 
     No person moves all limbs so fast at once; programs do that put a bind pose before the recording and
     smooth over the seam.
     """
-    size = max(figure.leg_length(), 1e-9)
-    opening = figure[: round(rate) + 2]
-    both = [name for name in figure.marks if name in rest.marks]  # toes may be known in one alone
+    size = max(landmarks.leg_length(), 1e-9)
+    opening = landmarks[: round(rate) + 2]
+    both = [name for name in landmarks.marks if name in rest.marks]  # toes may be known in one alone
     shapes = (opening.points(both) - opening.middle("hip")[:, None]) / size
     at_rest = (rest.points(both) - rest.middle("hip")[:, None]) / size
     posed = np.linalg.norm(shapes - shapes[:1], axis=-1).mean(axis=-1) < _STILL
@@ -128,15 +128,15 @@ def frames_before_movement(figure: Figure, rest: Figure, rate: float) -> int:
     if not len(slow) or slow[0] == 0:
         return 0
     is_rest = np.linalg.norm(shapes[0] - at_rest[0], axis=-1).mean() < _STILL
-    return count - 1 + int(slow[0]) if is_rest or is_t_pose(figure[:1]) else 0
+    return count - 1 + int(slow[0]) if is_rest or is_t_pose(landmarks[:1]) else 0
 
 
-def is_t_pose(figure: Figure) -> bool:
+def is_t_pose(landmarks: Landmarks) -> bool:
     """A body (T = 1) that stands straight, arms stretched out sideways."""
-    trunk = figure.marks["neck"] - figure.middle("hip")
-    bones = [(figure.bone(f"{s}_hip", f"{s}_ankle"), -trunk) for s in SIDES]
+    trunk = landmarks.marks["neck"] - landmarks.middle("hip")
+    bones = [(landmarks.bone(f"{s}_hip", f"{s}_ankle"), -trunk) for s in SIDES]
     bones += [
-        (figure.bone(f"{s}_{a}", f"{s}_{b}"), sign * figure.across("hip"))
+        (landmarks.bone(f"{s}_{a}", f"{s}_{b}"), sign * landmarks.across("hip"))
         for s, sign in zip(SIDES, (1, -1), strict=True)
         for a, b in (("shoulder", "elbow"), ("elbow", "wrist"))
     ]

@@ -1,7 +1,7 @@
 """The body in a skeleton whose names do not help: two pairs of similar chains, one of them with a head above.
 
 Legs and arms are pairs of chains of like bones that part from one joint; the legs' joint lies nearer to the
-root. In each chain the two longest bones in a row are the limb's. The side follows from where the figure
+root. In each chain the two longest bones in a row are the limb's. The side follows from where the body
 faces: toes lie ahead of ankles, else knees ahead of the line from hip to ankle.
 """
 
@@ -32,7 +32,7 @@ class _Pair(NamedTuple):
 
 
 def map_shape(take: Take) -> dict[str, int]:
-    """Landmarks by the shape of the tree and the figure in it; empty where there is no body."""
+    """Landmarks by the shape of the tree and the pose in it; empty where there is no body."""
     positions = take.positions[:: max(len(take.positions) // _FRAMES, 1)]
     lengths = _bone_lengths(take, positions)
     pairs = _limbs(take, lengths)

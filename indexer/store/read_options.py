@@ -1,4 +1,16 @@
-"""ReadOptions: what besides a file's content decides the motion it gives."""
+"""ReadOptions: what besides a file's content decides the motion it gives.
+
+The frame rate of a file is the first that is known of
+
+1. `fps` in a captions table (`captions.csv`, `.tsv` or `.jsonl`) that names the file,
+2. `--fps` of this run, or `fps` of `motionseek.index`,
+3. the same of an earlier run in which the file was read,
+4. what the file states,
+5. `default_fps` of its format in `indexer.formats.table`.
+
+`indexer.ingest.changes.RequestedOptions.for_file` decides 1 to 3, `indexer.formats.reading.read_take` 4 and 5.
+For a file that is not indexed see `indexer.ingest.unindexed`, in which `fps` of the call comes first.
+"""
 
 from __future__ import annotations
 

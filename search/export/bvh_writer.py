@@ -15,7 +15,7 @@ from encoders.geometry import rotation_between
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, JOINTS, PARENTS
 from indexer.formats import bvh as reader
-from indexer.rigs.landmarks import Figure
+from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import map_rig
 from indexer.rigs.retarget import frames_before_movement
 
@@ -103,7 +103,7 @@ def _skipped(path: Path, header: bytes, opening: list[bytes], fps: float) -> int
         rig = map_rig(take, path)
     except UnknownRig:
         return 0
-    return frames_before_movement(Figure.of(take.positions, rig), Figure.of(take.rest[None], rig), fps)
+    return frames_before_movement(Landmarks.of(take.positions, rig), Landmarks.of(take.rest[None], rig), fps)
 
 
 def write(out: IO[bytes], motion: Motion) -> None:

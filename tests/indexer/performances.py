@@ -41,7 +41,7 @@ class Performance:
         )
 
     def every(self, step: int) -> Performance:
-        """Every so many frames."""
+        """Every `step`-th frame."""
         return replace(self, rotations=self.rotations[::step], root=self.root[::step], fps=self.fps / step)
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from encoders.errors import UnreadableMotion
-from indexer.formats.table import FOREIGN, FORMATS, READABLE, detect, is_motion
+from indexer.formats.table import FORMATS, READABLE, UNSUPPORTED, detect, is_motion
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def test_what_cannot_be_read_is_named(name, data, reason):
 
 
 def test_each_ending_has_one_row():
-    endings = [row.ending for row in FORMATS] + [ending for row in FOREIGN for ending in row.endings]
+    endings = [row.ending for row in FORMATS] + [ending for row in UNSUPPORTED for ending in row.endings]
     assert len(endings) == len(set(endings))
     assert all(ending == ending.lower() and ending.startswith(".") for ending in endings)
 

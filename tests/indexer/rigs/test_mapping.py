@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from encoders.errors import UnknownRig, UnreadableMotion
-from indexer.rigs.joint_names import understand
+from indexer.rigs.joint_names import parse_joint_name
 from indexer.rigs.mapping import map_names, map_rig
 from indexer.take import Take
 from tests.indexer.example_rigs import RIGS, standing, tree
@@ -93,7 +93,7 @@ def test_a_joint_map_mends_what_is_missing() -> None:
     ],
 )
 def test_a_name_says_side_and_role(name: str, side: str, role: str) -> None:
-    found = understand(name)
+    found = parse_joint_name(name)
     assert found.side == side
     assert role in found.roles
 
@@ -111,7 +111,7 @@ def test_a_name_says_side_and_role(name: str, side: str, role: str) -> None:
     ],
 )
 def test_fingers_twists_handles_and_faces_play_no_role(name: str) -> None:
-    assert not understand(name).roles
+    assert not parse_joint_name(name).roles
 
 
 def test_names_are_enough_for_every_rig() -> None:

@@ -52,7 +52,7 @@ def touched(monkeypatch):
 
 
 def grown(index, batches=LATER, *, compact_at=10.0):
-    """The index after so many updates, and all they added."""
+    """The index after `batches` updates, and all they added."""
     added = [some_rows(BATCH, 10_000 + 100 * i, seed=i + 1) for i in range(batches)]
     for i, rows in enumerate(added):
         index = index.update(i + 2, remove=np.unique(rows.owners), add=rows, compact_at=compact_at).for_serving()
@@ -188,17 +188,17 @@ def test_the_rows_of_owners_are_found(order):
     assert len(MaskedBlock(block).without(np.array([4, 5]))) == 144
 
 
-def test_who_searches_often_has_the_main_block_searched_once(monkeypatch):
+def test_an_index_for_serving_searches_its_main_block_once(monkeypatch):
     """The same answers, before and after it grew and lost clips, and none from what was there no more."""
     searched = []
     search = Block.search
     monkeypatch.setattr(Block, "search", lambda block, *given: searched.append(len(block)) or search(block, *given))
     plain = FaissIndex.of(1, some_rows(5000, 0, seed=0))
-    often, query = plain.for_serving(), some_rows(1, 0, seed=9).vectors.astype(np.float32)
-    first, again = (often.search(query, 10) for _ in range(2))
+    serving, query = plain.for_serving(), some_rows(1, 0, seed=9).vectors.astype(np.float32)
+    first, again = (serving.search(query, 10) for _ in range(2))
     assert searched == [5000]
     added, gone = some_rows(BATCH, 10_000, seed=1), np.unique(first[1])
-    grown, shrunk = (often.update(2, remove=gone[:n], add=added).for_serving() for n in (0, len(gone)))
+    grown, shrunk = (serving.update(2, remove=gone[:n], add=added).for_serving() for n in (0, len(gone)))
     assert searched == [5000]
     for index, removed in ((grown, gone[:0]), (shrunk, gone)):
         exact = plain.update(2, remove=removed, add=added)
