@@ -182,7 +182,7 @@ def _places(
             given = list(known.roots)
     folders = list(dict.fromkeys(Path(folder).resolve() for folder in given))
     for folder in folders:
-        if not folder.is_dir():
+        if not os.path.isdir(folder):
             raise LibraryError(f"{folder}: no such folder, so nothing was changed; is its drive connected?")
     return place.resolve(), folders
 
@@ -194,7 +194,7 @@ def _paths(roots: str | PathLike[str] | Iterable[str | PathLike[str]]) -> list[P
         raise ArgumentError(f"roots={roots!r} must be a folder or a list of folders")
     given = [checked_path("roots", root) for root in roots]
     for path in given:
-        if path.is_file():
+        if os.path.isfile(path):  # unlike Path.is_file, False for a name that is too long
             raise ArgumentError(f"roots: {path} is a file; index its folder")
     return given
 

@@ -7,12 +7,14 @@ from pathlib import Path
 
 from encoders.errors import LibraryNotFound
 
-FOLDER = ".motionseek"
+FOLDER, FILE = ".motionseek", "library.sqlite"
 VARIABLE = "MOTIONSEEK_LIBRARY"
 
 
 def locate(given: str | os.PathLike[str] | None = None, *, start: Path | None = None) -> Path:
-    """The library's folder: `given`, else MOTIONSEEK_LIBRARY, else the folder at or above `start` with a `.motionseek`.
+    """The library's folder: `given`, else MOTIONSEEK_LIBRARY, else the nearest at or above `start`.
+
+    That is a folder with a `.motionseek`, or one that is a library itself.
 
     Raises
     ------
@@ -24,7 +26,7 @@ def locate(given: str | os.PathLike[str] | None = None, *, start: Path | None = 
         return Path(named)
     here = (start or Path.cwd()).resolve()
     for folder in (here, *here.parents):
-        if (folder / FOLDER).is_dir():
+        if (folder / FOLDER).is_dir() or (folder / FILE).is_file():
             return folder
     raise LibraryNotFound(
         f"no library in {here} or its parent folders; create one with 'motionseek index FOLDER', "
