@@ -28,7 +28,15 @@ from encoders.bundle.batching import pad
 from encoders.bundle.bundle import Bundle
 from encoders.features.registry import FEATURE_KINDS
 from encoders.tmr.conversion.to_bundle import export_bundle
-from encoders.tmr.model.network import TMR, TMRConfig, Tower, TransformerEncoder, group_frames, positions, valid_mask
+from encoders.tmr.model.network import (
+    TMR,
+    TMRConfig,
+    TransformerConfig,
+    TransformerEncoder,
+    group_frames,
+    positions,
+    valid_mask,
+)
 from encoders.tmr.text.language_model import LanguageConfig, LanguageModel, LanguageNetwork
 from encoders.tmr.training.recipe import default_network
 
@@ -40,19 +48,19 @@ PUBLISHED = TMRConfig(decoder=None)
 
 def plain(encoder: TransformerEncoder) -> Encode:
     """The encoder's weights in torch's own layers, used as published code uses them."""
-    tower = encoder.tower
+    config = encoder.config
     layer = nn.TransformerEncoderLayer(
-        tower.width, tower.heads, tower.feedforward, tower.dropout, "gelu", batch_first=True
+        config.width, config.heads, config.feedforward, config.dropout, "gelu", batch_first=True
     )
-    stack = nn.TransformerEncoder(layer, tower.layers).eval()
+    stack = nn.TransformerEncoder(layer, config.layers).eval()
     stack.load_state_dict(encoder.seqTransEncoder.state_dict())
 
     def batch(clips: Sequence[Array]) -> Tensor:
         padded, lengths = pad(clips)
         x, mask = torch.from_numpy(padded), valid_mask(torch.from_numpy(lengths), padded.shape[1])
-        x, mask = group_frames(x, mask, tower.frames_per_token)
+        x, mask = group_frames(x, mask, config.frames_per_token)
         tokens = torch.cat((encoder.tokens.expand(len(x), -1, -1), encoder.projection(x)), dim=1)
-        tokens = tokens + positions(tokens.shape[1], tower.width)
+        tokens = tokens + positions(tokens.shape[1], config.width)
         out = stack(tokens, src_key_padding_mask=~F.pad(mask, (2, 0), value=True))
         return F.normalize(encoder.to_latent(out[:, 0]), dim=-1)
 
@@ -71,12 +79,13 @@ def bundle_of(encoder: TransformerEncoder, kind: str, folder: Path, threads: int
     )
     tokenizer = Tokenizer(WordLevel({"[UNK]": 0}, unk_token="[UNK]"))
     language = LanguageModel("stub", LanguageNetwork(sizes), tokenizer, max_tokens=8)
+    text = TransformerConfig(8, width=8, layers=1, heads=1, feedforward=8)
     size = FEATURE_KINDS[kind].size
     export_bundle(
         folder,
         name="benchmark",
         motion_encoder=encoder,
-        text_encoder=TransformerEncoder(Tower(8, width=8, layers=1, heads=1, feedforward=8), encoder.latent),
+        text_encoder=TransformerEncoder(text, encoder.latent),
         language=language,
         mean=np.zeros(size, np.float32),
         std=np.ones(size, np.float32),

@@ -112,7 +112,7 @@ def memory(seconds: float = 7200.0) -> None:
 
 
 class SimulatedGallery:
-    """Windows as a library of so many hours has them, with vectors near the given ones (N, D)."""
+    """The windows of a library of `hours` hours, with vectors near the given ones (N, D)."""
 
     def __init__(self, hours: float, vectors: NDArray[np.float32], seed: int = 0) -> None:
         rng = np.random.default_rng(seed)

@@ -27,7 +27,8 @@ from indexer.ingest.load import load_motion
 
 #: Frames at 20 fps by which two recordings of a trial may begin apart.
 MAX_SHIFT = 40
-FOREIGN = (".fbx", ".glb", ".gltf", ".c3d")
+#: Endings of files that cannot be read; they are counted as failures.
+UNSUPPORTED = (".fbx", ".glb", ".gltf", ".c3d")
 
 Array = NDArray[np.float64]
 
@@ -61,7 +62,7 @@ def read_all(folders: list[Path], rates: dict[Path, float]) -> tuple[dict[Path, 
     """Motions of all motion files under some folders, and the reason for each that is none."""
     motions: dict[Path, Motion] = {}
     failures: dict[Path, str] = {}
-    paths = sorted(p for folder in folders for p in folder.rglob("*") if p.suffix.lower() in (*READABLE, *FOREIGN))
+    paths = sorted(p for folder in folders for p in folder.rglob("*") if p.suffix.lower() in (*READABLE, *UNSUPPORTED))
     for path in paths:
         try:
             motions[path] = load_motion(path, fps=rates.get(path))

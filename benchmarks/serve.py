@@ -83,7 +83,7 @@ class LoadResult:
 async def load(
     port: int, sentences: list[str], rate: float, *, sample: Callable[[], tuple[Usage, bool]], every: float
 ) -> LoadResult:
-    """Search over open connections, `rate` times a second on average; sample the server `every` so many seconds."""
+    """Search over open connections, `rate` times a second on average; sample the server every `every` seconds."""
     found, loop = LoadResult(), asyncio.get_running_loop()
     free: asyncio.Queue[tuple[asyncio.StreamReader, asyncio.StreamWriter]] = asyncio.Queue()
     for _ in range(_CONNECTIONS):

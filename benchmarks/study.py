@@ -16,7 +16,7 @@ from pathlib import Path
 
 import torch
 
-from encoders.tmr.model.network import Tower
+from encoders.tmr.model.network import TransformerConfig
 from encoders.tmr.text.language_model import LanguageModel
 from encoders.tmr.training import losses
 from encoders.tmr.training.dataset import unrelated_sentences
@@ -25,7 +25,7 @@ from encoders.tmr.training.pipeline import prepare, train
 from encoders.tmr.training.recipe import Recipe, default_network
 
 _ENCODERS = default_network()
-_DECODER = Tower(
+_DECODER = TransformerConfig(
     features=_ENCODERS.motion.features, width=192, layers=1, feedforward=384, frames_per_token=4, dropout=0.0
 )
 PLAIN = Recipe(
@@ -56,7 +56,7 @@ VARIANTS = {
     "the default recipe": replace(Recipe(), real_share=0.0),
     "default, hard negatives from the first step": replace(Recipe(), real_share=0.0, hard_from=0, similar_share=0.0),
 }
-COLUMNS = ("strict_R@1", "strict_MedR", "made_R@1", "made_R@10", "swapped")
+COLUMNS = ("strict_R@1", "strict_MedR", "synthetic_R@1", "synthetic_R@10", "hard_negatives")
 
 
 def main() -> None:
@@ -70,7 +70,7 @@ def main() -> None:
     parser.add_argument("--only", nargs="*", default=list(VARIANTS))
     arguments = parser.parse_args()
     torch.set_num_threads(1)
-    shards = [PairStore.load(path) for path in sorted(arguments.run.glob("made-*.npz"))]
+    shards = [PairStore.load(path) for path in sorted(arguments.run.glob("synthetic-*.npz"))]
     synthetic = PairStore.joined(shards[: max(1, arguments.clips // len(shards[0]))])
     validation = PairStore.load(arguments.run / "validation.npz")
     language = LanguageModel.load()

@@ -49,9 +49,9 @@ def ends_of(starts: NDArray[np.float32], length: float, duration: float) -> NDAr
 
 
 def window_starts(frames: int, length: int, stride: int = 1) -> NDArray[np.int64]:
-    """First frames (N,) of windows of one length, a stride apart over so many frames; the last ends where they end.
+    """First frames (N,) of windows of `length` frames, `stride` apart; the last window ends at the last of `frames`.
 
-    Fewer frames than a window has are one window.
+    A clip shorter than a window is one window.
     """
     last = max(frames - length, 0)
     return np.append(np.arange(0, last, max(stride, 1), dtype=np.int64), last)

@@ -20,7 +20,7 @@ _FOLLOW = 1.2
 class Capsule(NamedTuple):
     """A limb from joint `start` to joint `end`, radii in metres at either end; `part` is body, left or right.
 
-    With `beyond`, the limb begins at `start` and goes on so many metres in the direction from `end` to `start`: heads,
+    With `beyond`, the limb begins at `start` and extends `beyond` metres in the direction from `end` to `start`: heads,
     hands and toes have no joint at their tip.
     """
 

@@ -1,4 +1,4 @@
-"""The default model's features, `body`: the same numbers for the same movement, whoever or whatever performs it.
+"""The default model's features, `body`: the same numbers for the same movement in any rig.
 
 A rig's proportions and rest pose (hip width, collars, spine curve, shoulder slope) say nothing about a movement but
 shift joint positions by more than many movements do. So a canonical, left-right symmetric body is rebuilt from what

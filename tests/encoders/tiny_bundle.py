@@ -18,7 +18,7 @@ from tokenizers.processors import TemplateProcessing
 
 from encoders.features.registry import FEATURE_KINDS
 from encoders.tmr.conversion.to_bundle import export_bundle
-from encoders.tmr.model.network import TMR, TMRConfig, Tower
+from encoders.tmr.model.network import TMR, TMRConfig, TransformerConfig
 from encoders.tmr.text.language_model import LanguageConfig, LanguageModel, LanguageNetwork
 
 FOLDER = Path(__file__).resolve().parent.parent / "data" / "tiny_bundle"
@@ -60,9 +60,9 @@ def tiny_network(features: int, token_features: int = 16, latent: int = 24) -> T
     """A TMR of random weights with every option in use."""
     sizes = {"width": 16, "layers": 2, "heads": 2, "feedforward": 24}
     config = TMRConfig(
-        motion=Tower(features=features, frames_per_token=4, **sizes),
-        text=Tower(features=token_features, sentence_head=20, **sizes),
-        decoder=Tower(features=features, frames_per_token=4, **sizes),
+        motion=TransformerConfig(features=features, frames_per_token=4, **sizes),
+        text=TransformerConfig(features=token_features, sentence_head=20, **sizes),
+        decoder=TransformerConfig(features=features, frames_per_token=4, **sizes),
         latent=latent,
     )
     return TMR(config).eval().requires_grad_(False)

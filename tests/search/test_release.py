@@ -13,13 +13,13 @@ torch = pytest.importorskip("torch")
 pytestmark = pytest.mark.torch
 
 from encoders.errors import MotionSeekError  # noqa: E402
-from encoders.tmr.model.network import TMR, TMRConfig, Tower  # noqa: E402
+from encoders.tmr.model.network import TMR, TMRConfig, TransformerConfig  # noqa: E402
 from encoders.tmr.training.recipe import Recipe  # noqa: E402
 from search.cli.commands.train import initial_model  # noqa: E402
 from search.release import mean_weights  # noqa: E402
 
 SMALL = {"width": 8, "layers": 1, "heads": 2, "feedforward": 8}
-NETWORK = TMRConfig(Tower(6, **SMALL), Tower(4, **SMALL), decoder=None, latent=4)
+NETWORK = TMRConfig(TransformerConfig(6, **SMALL), TransformerConfig(4, **SMALL), decoder=None, latent=4)
 
 
 def finished(folder: Path, value: float, network: TMRConfig = NETWORK, deviation: float = 1.0, step: int = 7) -> Path:
@@ -33,7 +33,7 @@ def finished(folder: Path, value: float, network: TMRConfig = NETWORK, deviation
 
 
 def test_the_weights_of_several_runs_are_averaged_and_decoders_left_behind(tmp_path: Path) -> None:
-    decoding = replace(NETWORK, decoder=Tower(6, **SMALL))
+    decoding = replace(NETWORK, decoder=TransformerConfig(6, **SMALL))
     runs = [finished(tmp_path / "a", 1.0, decoding), finished(tmp_path / "b", 4.0, step=5)]
     recipe, weights, steps = mean_weights(runs)
     assert (recipe.network, steps) == (NETWORK, [7, 5])

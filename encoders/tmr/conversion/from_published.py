@@ -18,7 +18,7 @@ import torch
 from numpy.typing import NDArray
 
 from encoders.errors import BundleError
-from encoders.tmr.model.network import TMR, TMRConfig, Tower
+from encoders.tmr.model.network import TMR, TMRConfig, TransformerConfig
 from encoders.tmr.training.losses import LossWeights
 
 MODULES = ("motion_encoder", "text_encoder", "motion_decoder")
@@ -28,7 +28,7 @@ def read_config(run: Path) -> TMRConfig:
     """The sizes that a run's config.json states; raises BundleError where it is no such file."""
     model = _read_model(run)
     try:
-        motion, text, decoder = (_tower(model[name]) for name in MODULES)
+        motion, text, decoder = (_transformer_config(model[name]) for name in MODULES)
         return TMRConfig(motion=motion, text=text, decoder=decoder, latent=model["motion_encoder"]["latent_dim"])
     except (KeyError, TypeError, ValueError) as error:
         raise BundleError(f"{run / 'config.json'}: not the configuration of a TMR run ({error})") from error
@@ -79,10 +79,10 @@ def _read_model(run: Path) -> dict[str, Any]:
         raise BundleError(f"{path}: not the configuration of a TMR run ({error!r})") from error
 
 
-def _tower(values: dict[str, Any]) -> Tower:
+def _transformer_config(values: dict[str, Any]) -> TransformerConfig:
     if values.get("activation", "gelu") != "gelu" or not values.get("vae", True):
         raise ValueError("only gelu and vae networks are supported")
-    return Tower(
+    return TransformerConfig(
         features=values["nfeats"],
         width=values["latent_dim"],
         layers=values["num_layers"],

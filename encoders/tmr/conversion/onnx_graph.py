@@ -164,7 +164,7 @@ def motion_graph(
     inverse = (1 / (np.asarray(std, np.float64) + 1e-12)).astype(np.float32)
     x = graph.add("Sub", "features", graph.constant(mean, np.float32))
     x = graph.add("Mul", x, graph.constant(inverse, np.float32))
-    x, lengths = _grouped(graph, x, encoder.tower.frames_per_token, len(inverse))
+    x, lengths = _grouped(graph, x, encoder.config.frames_per_token, len(inverse))
     latent = _encode(graph, encoder, x, lengths)
     inputs: dict[str, tuple[int, Sequence[Any]]] = {
         "features": (TensorProto.FLOAT, ["batch", "frames", len(inverse)]),
@@ -252,7 +252,7 @@ def _key_bias(graph: GraphBuilder, lengths: str, size: str) -> str:
 
 def _encode(graph: GraphBuilder, encoder: TransformerEncoder, x: str, lengths: str) -> str:
     """An ACTOR-style encoder's mu from tokens (batch, L, F) of which `lengths` (batch,) count."""
-    width = encoder.tower.width
+    width = encoder.config.width
     batch, given = graph.size(x, 0), graph.size(x, 1)
     x = graph.add("Reshape", x, graph.constant([-1, encoder.projection.in_features]))
     x = graph.linear(x, encoder.projection.weight, encoder.projection.bias)

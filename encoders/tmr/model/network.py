@@ -22,7 +22,7 @@ from torch import Tensor, nn
 
 
 @dataclass(frozen=True)
-class Tower:
+class TransformerConfig:
     """Sizes of one encoder or of the decoder; the defaults are those of published TMR.
 
     `sentence_head` is the width of the perceptron on the mean of a sequence, 0 for none.
@@ -48,9 +48,9 @@ class Tower:
 class TMRConfig:
     """A whole TMR: both encoders, the decoder (None: no reconstruction) and the size of the space they share."""
 
-    motion: Tower = field(default_factory=lambda: Tower(features=263))
-    text: Tower = field(default_factory=lambda: Tower(features=768))
-    decoder: Tower | None = field(default_factory=lambda: Tower(features=263))
+    motion: TransformerConfig = field(default_factory=lambda: TransformerConfig(features=263))
+    text: TransformerConfig = field(default_factory=lambda: TransformerConfig(features=768))
+    decoder: TransformerConfig | None = field(default_factory=lambda: TransformerConfig(features=263))
     latent: int = 256
 
     def to_dict(self) -> dict[str, Any]:
@@ -62,9 +62,9 @@ class TMRConfig:
         """Inverse of `to_dict`."""
         decoder = values["decoder"]
         return cls(
-            motion=Tower(**values["motion"]),
-            text=Tower(**values["text"]),
-            decoder=None if decoder is None else Tower(**decoder),
+            motion=TransformerConfig(**values["motion"]),
+            text=TransformerConfig(**values["text"]),
+            decoder=None if decoder is None else TransformerConfig(**decoder),
             latent=values["latent"],
         )
 
@@ -151,14 +151,14 @@ class MultiHeadAttention(nn.Module):
 class TransformerLayer(nn.Module):
     """What encoder and decoder layers share: post-norm self-attention and a feed-forward network with exact GELU."""
 
-    def __init__(self, tower: Tower) -> None:
+    def __init__(self, config: TransformerConfig) -> None:
         super().__init__()
-        self.self_attn = MultiHeadAttention(tower.width, tower.heads, tower.dropout)
-        self.linear1 = nn.Linear(tower.width, tower.feedforward)
-        self.linear2 = nn.Linear(tower.feedforward, tower.width)
-        self.norm1 = nn.LayerNorm(tower.width)
-        self.norm2 = nn.LayerNorm(tower.width)
-        self.dropout = ByteDropout(tower.dropout)
+        self.self_attn = MultiHeadAttention(config.width, config.heads, config.dropout)
+        self.linear1 = nn.Linear(config.width, config.feedforward)
+        self.linear2 = nn.Linear(config.feedforward, config.width)
+        self.norm1 = nn.LayerNorm(config.width)
+        self.norm2 = nn.LayerNorm(config.width)
+        self.dropout = ByteDropout(config.dropout)
 
     def feed(self, x: Tensor) -> Tensor:
         """The position-wise network."""
@@ -177,10 +177,10 @@ class EncoderLayer(TransformerLayer):
 class DecoderLayer(TransformerLayer):
     """Named as `nn.TransformerDecoderLayer`; its memory is a single token."""
 
-    def __init__(self, tower: Tower) -> None:
-        super().__init__(tower)
-        self.multihead_attn = MultiHeadAttention(tower.width, tower.heads, tower.dropout)
-        self.norm3 = nn.LayerNorm(tower.width)
+    def __init__(self, config: TransformerConfig) -> None:
+        super().__init__(config)
+        self.multihead_attn = MultiHeadAttention(config.width, config.heads, config.dropout)
+        self.norm3 = nn.LayerNorm(config.width)
 
     def forward(self, x: Tensor, mask: Tensor, memory: Tensor) -> Tensor:
         """Queries (B, L, width) and memory (B, 1, width) -> (B, L, width)."""
@@ -204,12 +204,12 @@ class SentenceHead(nn.Module):
     the token head is better at who does what when. The embedding is the sum of both directions.
     """
 
-    def __init__(self, tower: Tower, latent: int) -> None:
+    def __init__(self, config: TransformerConfig, latent: int) -> None:
         super().__init__()
-        self.widen = nn.Linear(tower.features, tower.sentence_head)
-        self.mix = nn.Linear(tower.sentence_head, tower.sentence_head)
-        self.narrow = nn.Linear(tower.sentence_head, latent)
-        self.dropout = ByteDropout(tower.dropout)
+        self.widen = nn.Linear(config.features, config.sentence_head)
+        self.mix = nn.Linear(config.sentence_head, config.sentence_head)
+        self.narrow = nn.Linear(config.sentence_head, latent)
+        self.dropout = ByteDropout(config.dropout)
 
     def forward(self, x: Tensor, mask: Tensor) -> Tensor:
         """Features (B, T, F), valid where mask (B, T) is True -> (B, latent)."""
@@ -222,16 +222,16 @@ class SentenceHead(nn.Module):
 class TransformerEncoder(nn.Module):
     """A sequence of features -> a Gaussian: two learned tokens go in front, their outputs are mu and logvar."""
 
-    def __init__(self, tower: Tower, latent: int) -> None:
+    def __init__(self, config: TransformerConfig, latent: int) -> None:
         super().__init__()
-        self.tower = tower
+        self.config = config
         self.latent = latent
-        self.tokens = nn.Parameter(torch.randn(2, tower.width))
-        self.projection = nn.Linear(tower.features * tower.frames_per_token, tower.width)
-        self.seqTransEncoder = LayerStack(EncoderLayer(tower) for _ in range(tower.layers))
-        self.dropout = ByteDropout(tower.dropout)
-        self.to_latent = nn.Identity() if latent == tower.width else nn.Linear(tower.width, latent)
-        self.sentence_head = SentenceHead(tower, latent) if tower.sentence_head else None
+        self.tokens = nn.Parameter(torch.randn(2, config.width))
+        self.projection = nn.Linear(config.features * config.frames_per_token, config.width)
+        self.seqTransEncoder = LayerStack(EncoderLayer(config) for _ in range(config.layers))
+        self.dropout = ByteDropout(config.dropout)
+        self.to_latent = nn.Identity() if latent == config.width else nn.Linear(config.width, latent)
+        self.sentence_head = SentenceHead(config, latent) if config.sentence_head else None
 
     def forward(self, x: Tensor, mask: Tensor) -> Gaussian:
         """Features (B, T, F), valid where mask (B, T) is True -> Gaussian over (B, latent)."""
@@ -246,10 +246,10 @@ class TransformerEncoder(nn.Module):
         return F.normalize(mu, dim=-1) + F.normalize(self.sentence_head(x, mask), dim=-1)
 
     def _read(self, x: Tensor, mask: Tensor, tokens: int) -> Tensor:
-        x, mask = group_frames(x, mask, self.tower.frames_per_token)
+        x, mask = group_frames(x, mask, self.config.frames_per_token)
         x = torch.cat((self.tokens.expand(x.shape[0], -1, -1), self.projection(x)), dim=1)
         mask = F.pad(mask, (2, 0), value=True)
-        x = self.dropout(x + positions(x.shape[1], self.tower.width, x.device))
+        x = self.dropout(x + positions(x.shape[1], self.config.width, x.device))
         for layer in self.seqTransEncoder.layers[:-1]:
             x = layer(x, mask)
         return self.to_latent(self.seqTransEncoder.layers[-1](x, mask, keep=tokens))
@@ -258,24 +258,24 @@ class TransformerEncoder(nn.Module):
 class Decoder(nn.Module):
     """A latent and a length -> a motion's features, all frames in one pass."""
 
-    def __init__(self, tower: Tower, latent: int) -> None:
+    def __init__(self, config: TransformerConfig, latent: int) -> None:
         super().__init__()
-        self.tower = tower
-        self.seqTransDecoder = LayerStack(DecoderLayer(tower) for _ in range(tower.layers))
-        self.final_layer = nn.Linear(tower.width, tower.features * tower.frames_per_token)
-        self.dropout = ByteDropout(tower.dropout)
-        self.from_latent = nn.Identity() if latent == tower.width else nn.Linear(latent, tower.width)
+        self.config = config
+        self.seqTransDecoder = LayerStack(DecoderLayer(config) for _ in range(config.layers))
+        self.final_layer = nn.Linear(config.width, config.features * config.frames_per_token)
+        self.dropout = ByteDropout(config.dropout)
+        self.from_latent = nn.Identity() if latent == config.width else nn.Linear(latent, config.width)
 
     def forward(self, latent: Tensor, mask: Tensor) -> Tensor:
         """Latents (B, latent) and mask (B, T) -> features (B, T, F), zero where the mask is False."""
         frames = mask.shape[1]
-        token_mask = group_mask(mask, self.tower.frames_per_token)
+        token_mask = group_mask(mask, self.config.frames_per_token)
         memory = self.from_latent(latent)[:, None]
-        queries = positions(token_mask.shape[1], self.tower.width, latent.device)
+        queries = positions(token_mask.shape[1], self.config.width, latent.device)
         x = self.dropout(queries.expand(len(latent), -1, -1))
         for layer in self.seqTransDecoder.layers:
             x = layer(x, token_mask, memory)
-        x = self.final_layer(x).reshape(len(latent), -1, self.tower.features)[:, :frames]
+        x = self.final_layer(x).reshape(len(latent), -1, self.config.features)[:, :frames]
         return x * mask[..., None]
 
 

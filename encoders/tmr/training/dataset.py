@@ -61,7 +61,7 @@ def synthetic_stores(
     shards = -(-count // SHARD)
     jobs = jobs or os.cpu_count() or 1
     folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / f"made-{seed + i:07d}.npz" for i in range(shards)]
+    paths = [_shard_file(folder, seed + i) for i in range(shards)]
     missing = [(path, seed + i) for i, path in enumerate(paths) if not path.exists()]
     if missing:
         with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
@@ -73,6 +73,11 @@ def synthetic_stores(
     return PairStore.joined([PairStore.load(path) for path in paths])
 
 
+def _shard_file(folder: Path, seed: int) -> Path:
+    former = folder / f"made-{seed:07d}.npz"  # the name in version 0.1
+    return former if former.exists() else folder / f"synthetic-{seed:07d}.npz"
+
+
 def _synthesise_shard(
     path: Path, seed: int, kind: str, sentences: Sequence[str], held_out: HeldOutSentences, gaits: float
 ) -> None:
@@ -80,14 +85,14 @@ def _synthesise_shard(
 
 
 def real_store(
-    takes: Iterable[CaptionedTake], kind: FeatureKind, *, varied: bool, held_out: HeldOutSentences, recombine: int = 0
+    takes: Iterable[CaptionedTake], kind: FeatureKind, *, varied: bool, held_out: HeldOutSentences, augmented: int = 0
 ) -> PairStore:
-    """Pairs of captioned takes, and `recombine` more by compositional augmentation."""
+    """Pairs of captioned takes, and `augmented` more by compositional augmentation."""
     takes = list(takes)
     own = ((Pair(x, captions), None) for take in takes for x, captions in real_clips(take, kind, varied=varied))
     new = (
         (Pair(kind.compute(x.motion), x.captions, hard_negatives=x.hard_negatives), x.scene)
-        for x in augmented_clips(takes, recombine, np.random.default_rng(TRAINING))
+        for x in augmented_clips(takes, augmented, np.random.default_rng(TRAINING))
     )
     rng = np.random.default_rng(TRAINING)
     allowed = ((kept, scene) for pair, scene in chain(own, new) if (kept := _without(pair, held_out)).captions)

@@ -47,8 +47,8 @@ class Validation:
         rank = ranks(similarity, right)
         strict = ranks(similarity)
         figures = {
-            "made_R@1": 100 * float(np.mean(rank < 1)),
-            "made_R@10": 100 * float(np.mean(rank < 10)),
+            "synthetic_R@1": 100 * float(np.mean(rank < 1)),
+            "synthetic_R@10": 100 * float(np.mean(rank < 10)),
             "strict_R@1": 100 * float(np.mean(strict < 1)),
             "strict_MedR": float(np.median(strict)) + 1,
         }
@@ -57,7 +57,7 @@ class Validation:
             negatives = [self.texts[store.texts[store.hard_negatives[i][0]]] for i in changed]
             wrong = embed_texts(model, self.tokens, negatives)
             correct = np.einsum("nd,nd->n", wrong, motions[changed]) < np.diagonal(similarity)[changed]
-            figures["swapped"] = 100 * float(correct.mean())
+            figures["hard_negatives"] = 100 * float(correct.mean())
         return figures
 
     def _real(self, model: TMR) -> dict[str, float]:

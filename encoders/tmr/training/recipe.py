@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 from encoders.features.registry import FEATURE_KINDS
-from encoders.tmr.model.network import TMRConfig, Tower
+from encoders.tmr.model.network import TMRConfig, TransformerConfig
 from encoders.tmr.training.losses import LossWeights
 
 _CHOICES = {"filter": ("facts", "none"), "contrast": ("infonce", "margin", "none")}
@@ -21,8 +21,8 @@ _FEATURES, _TOKEN_FEATURES = FEATURE_KINDS["body"].size, 384
 def default_network(features: int = _FEATURES, token_features: int = _TOKEN_FEATURES) -> TMRConfig:
     """The sizes of the default model: encoders a quarter of published TMR's, four frames a token, and no decoder."""
     return TMRConfig(
-        motion=Tower(features=features, width=256, layers=3, feedforward=768, frames_per_token=4),
-        text=Tower(features=token_features, width=256, layers=2, feedforward=768, sentence_head=1024),
+        motion=TransformerConfig(features=features, width=256, layers=3, feedforward=768, frames_per_token=4),
+        text=TransformerConfig(features=token_features, width=256, layers=2, feedforward=768, sentence_head=1024),
         decoder=None,
         latent=256,
     )

@@ -185,7 +185,7 @@ def real_stores(
     from indexer.datasets.captioned_takes import captioned_takes
 
     takes = captioned_takes(folder, captions, "train")
-    training = real_store(takes, kind, varied=True, held_out=banned, recombine=_AUGMENTED)
+    training = real_store(takes, kind, varied=True, held_out=banned, augmented=_AUGMENTED)
     if not len(training):
         raise QueryError(f"{folder}: no take of split 'train' has a caption; see docs/training.md")
     validation = real_store(captioned_takes(folder, captions, "val"), kind, varied=False, held_out=HeldOutSentences(()))

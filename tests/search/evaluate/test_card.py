@@ -51,6 +51,13 @@ def test_it_is_worded_as_the_committed_one(card: str) -> None:
     assert [line for line in wording(card) if line not in committed and line not in LABELS] == []
 
 
+def test_the_committed_one_describes_the_shipped_bundle() -> None:
+    committed = (ROOT / "docs" / "model.md").read_text(encoding="utf-8")
+    bundle = Bundle.load()
+    assert f"| fingerprint | `{bundle.fingerprint[:16]}` |" in committed
+    assert [value for value in bundle.manifest["training"].values() if str(value) not in committed] == []
+
+
 def test_it_names_the_bundle_it_measured(card: str, tiny_bundle: Path) -> None:
     bundle = Bundle.load(tiny_bundle)
     assert f"| name | {bundle.name} |" in card

@@ -17,15 +17,15 @@ from encoders.errors import BundleError  # noqa: E402
 from encoders.features.registry import FEATURE_KINDS  # noqa: E402
 from encoders.tmr.conversion.from_bundle import restore  # noqa: E402
 from encoders.tmr.conversion.to_bundle import export_bundle  # noqa: E402
-from encoders.tmr.model.network import TMR, TMRConfig, Tower  # noqa: E402
+from encoders.tmr.model.network import TMR, TMRConfig, TransformerConfig  # noqa: E402
 from encoders.tmr.model.padding import pad  # noqa: E402
 from encoders.tmr.training.recipe import default_network  # noqa: E402
 from tests.encoders.tiny_bundle import tiny_language  # noqa: E402
 
 KIND = FEATURE_KINDS["body"]
 CONFIG = TMRConfig(
-    motion=Tower(KIND.size, width=24, layers=2, heads=3, feedforward=100, frames_per_token=4),
-    text=Tower(64, width=32, layers=1, heads=2, feedforward=64, sentence_head=48),
+    motion=TransformerConfig(KIND.size, width=24, layers=2, heads=3, feedforward=100, frames_per_token=4),
+    text=TransformerConfig(64, width=32, layers=1, heads=2, feedforward=64, sentence_head=48),
     decoder=None,
     latent=20,
 )
@@ -86,9 +86,9 @@ def test_the_shipped_bundle_can_be_gone_on_from() -> None:
 
 def test_networks_of_other_sizes_are_refused(tmp_path: Path) -> None:
     exported(tmp_path / "bundle", "int8")
-    for tower in (replace(CONFIG.text, layers=3), replace(CONFIG.text, feedforward=66)):
+    for config in (replace(CONFIG.text, layers=3), replace(CONFIG.text, feedforward=66)):
         with pytest.raises(BundleError, match="of these sizes"):
-            restore(tmp_path / "bundle", replace(CONFIG, text=tower))
+            restore(tmp_path / "bundle", replace(CONFIG, text=config))
 
 
 def test_a_missing_or_damaged_bundle_is_refused(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from encoders.features.registry import FEATURE_KINDS  # noqa: E402
 from encoders.tmr.conversion.onnx_graph import motion_graph, text_graph  # noqa: E402
 from encoders.tmr.conversion.quantise import MIDDLE, int4_rows, int8_rows  # noqa: E402
 from encoders.tmr.conversion.to_bundle import export_bundle  # noqa: E402
-from encoders.tmr.model.network import TMR, Tower, TransformerEncoder, valid_mask  # noqa: E402
+from encoders.tmr.model.network import TMR, TransformerConfig, TransformerEncoder, valid_mask  # noqa: E402
 from encoders.tmr.text.language_model import LanguageModel  # noqa: E402
 from encoders.tmr.training.recipe import default_network  # noqa: E402
 from tests.encoders.tiny_bundle import tiny_language, tiny_network, write  # noqa: E402
@@ -54,10 +54,10 @@ class MotionCase:
 def motion(request) -> MotionCase:
     torch.manual_seed(0)
     frames_per_token, latent = request.param
-    tower = Tower(9, width=24, layers=2, heads=3, feedforward=100, frames_per_token=frames_per_token)
+    config = TransformerConfig(9, width=24, layers=2, heads=3, feedforward=100, frames_per_token=frames_per_token)
     rng = np.random.default_rng(0)
     mean, std = rng.normal(size=9).astype(np.float32), rng.uniform(0.1, 2, 9).astype(np.float32)
-    return MotionCase(TransformerEncoder(tower, latent).eval(), mean, std)
+    return MotionCase(TransformerEncoder(config, latent).eval(), mean, std)
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,7 @@ def test_int8_graphs_are_small_and_near(text, tmp_path):
 
 
 def test_a_layer_of_another_kind_is_refused(motion):
-    encoder = TransformerEncoder(motion.encoder.tower, motion.encoder.latent)
+    encoder = TransformerEncoder(motion.encoder.config, motion.encoder.latent)
     encoder.seqTransEncoder.layers[0] = torch.nn.Identity()
     with pytest.raises(TypeError, match="Identity"):
         motion_graph(encoder, motion.mean, motion.std)
@@ -219,7 +219,7 @@ def test_a_bundle_gives_what_its_networks_give(tmp_path):
 
 @pytest.mark.slow
 def test_the_default_sizes_stay_small_and_true_to_fp32(tmp_path):
-    """Real language model, random towers: under 40 MB in all, cosine to fp32 above 0.999, padding-proof to 1e-4."""
+    """Real language model, random encoders: under 40 MB in all, cosine to fp32 above 0.999, padding-proof to 1e-4."""
     try:
         language = LanguageModel.load()
     except BundleError as error:
@@ -254,7 +254,7 @@ def test_the_default_sizes_stay_small_and_true_to_fp32(tmp_path):
         latent = network.text_encoder.mean(torch.from_numpy(tokens)[None], torch.ones(1, len(tokens), dtype=torch.bool))
         full.append(torch.nn.functional.normalize(latent)[0].numpy())
     assert (together * full).sum(axis=1).min() > 0.998
-    # Random towers put all sentences near one place: what sets them apart must survive as well.
+    # Random encoders put all sentences near one place: what sets them apart must survive as well.
     error = np.linalg.norm(together - full, axis=1)
     spread = np.linalg.norm(full - np.mean(full, axis=0), axis=1)
     assert (error / spread).max() < 0.1

@@ -9,7 +9,15 @@ import pytest
 torch = pytest.importorskip("torch")
 pytestmark = pytest.mark.torch
 
-from encoders.tmr.model.network import TMR, Gaussian, TMRConfig, Tower, group_frames, positions, valid_mask  # noqa: E402
+from encoders.tmr.model.network import (  # noqa: E402
+    TMR,
+    Gaussian,
+    TMRConfig,
+    TransformerConfig,
+    group_frames,
+    positions,
+    valid_mask,
+)
 from encoders.tmr.training import losses  # noqa: E402
 
 SMALL = {"width": 16, "layers": 2, "heads": 2, "feedforward": 24, "dropout": 0.0}
@@ -18,9 +26,9 @@ SMALL = {"width": 16, "layers": 2, "heads": 2, "feedforward": 24, "dropout": 0.0
 def network(frames_per_token: int = 1, latent: int = 16) -> TMR:
     torch.manual_seed(0)
     config = TMRConfig(
-        motion=Tower(features=7, frames_per_token=frames_per_token, **SMALL),
-        text=Tower(features=5, **SMALL),
-        decoder=Tower(features=7, frames_per_token=frames_per_token, **SMALL),
+        motion=TransformerConfig(features=7, frames_per_token=frames_per_token, **SMALL),
+        text=TransformerConfig(features=5, **SMALL),
+        decoder=TransformerConfig(features=7, frames_per_token=frames_per_token, **SMALL),
         latent=latent,
     )
     return TMR(config).eval()
@@ -71,7 +79,7 @@ def test_a_configuration_survives_json():
 @pytest.mark.parametrize("sizes", [{"width": 10, "heads": 4}, {"width": 9, "heads": 3}, {"frames_per_token": 0}])
 def test_sizes_that_do_not_fit_are_refused(sizes):
     with pytest.raises(ValueError, match="must be"):
-        Tower(features=3, **sizes)
+        TransformerConfig(features=3, **sizes)
 
 
 def test_attention_is_that_of_torch():
