@@ -88,7 +88,7 @@ class LibraryIndexes:
         if len(index) and os.access(self._folder.parent, os.W_OK):
             try:
                 return save(index, self._folder, kind.name, model)
-            except OSError:
+            except (OSError, RuntimeError):  # FAISS raises RuntimeError where another reader has replaced the file
                 pass
         return index
 

@@ -43,3 +43,14 @@ def test_an_index_caught_up_holds_what_a_new_one_does(tmp_path, kind):
         return sorted(zip(rows.owners.tolist(), map(tuple, rows.spans.tolist()), rows.vectors.tolist(), strict=True))
 
     assert by_row(got) == by_row(want)
+
+
+def test_a_file_that_another_reader_replaces_while_it_is_opened_costs_nothing(tmp_path, monkeypatch):
+    numbers = add(tmp_path, [clip(seed) for seed in range(3)], SmallBundle())
+
+    def replaced(*_):
+        raise RuntimeError("could not open index.faiss for reading")
+
+    monkeypatch.setattr("faiss.read_index", replaced)
+    with StoredLibrary.open(tmp_path) as library:
+        assert library.indexes.current(CLIPS, library.connection).rows.owners.tolist() == numbers
