@@ -31,8 +31,8 @@ def hidden_package() -> str | None:
 def _location(name: str) -> Path | None:
     """The file that `import name` runs, or the folder of a package that has no `__init__.py`."""
     module = sys.modules.get(name)
-    if module is not None and module.__spec__ is None:
-        return Path(module.__file__ or f"<{name}>")
+    if module is not None and getattr(module, "__spec__", None) is None:
+        return Path(getattr(module, "__file__", None) or f"<{name}>")
     spec = find_spec(name)
     if spec is None:
         return None

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from encoders.motion import Motion
 
 
+@runtime_checkable
 class Encoder(Protocol):
     """Motions and sentences become unit vectors of one space. Its methods may be called from several threads."""
 
@@ -43,9 +44,15 @@ class Encoder(Protocol):
 
     @property
     def calibration(self) -> Mapping[str, NDArray[Any]] | None:
-        """Arrays that `search.ranking` calibrates scores with, None for a model without.
+        """Arrays that scores are calibrated with, each of which may be missing; None for a model without any.
 
-        Among them "motions": unit vectors (M, D) of unrelated motion.
+        "motions" : float array (M, D)
+            Unit vectors of unrelated motion. Without them there is neither a hubness penalty nor a strength.
+        "sentence_coefficients", "motion_coefficients" : float array (3,)
+            The logistic curves of strength, for queries that are sentences and motions: see
+            `search.ranking.strength.probability`. Without one, hits of such queries have no strength.
+        "words" : str array (W,)
+            Sorted, in lower case: the words that the model knows. Without them no hit is downgraded.
         """
 
     def features(self, motion: Motion) -> NDArray[np.float32]:
@@ -64,3 +71,9 @@ class Encoder(Protocol):
 
     def encode_texts(self, sentences: Sequence[str]) -> NDArray[np.float32]:
         """Unit vectors (N, D) of sentences."""
+
+
+def unrelated_motions(encoder: Encoder) -> NDArray[np.float32] | None:
+    """The unit vectors (M, D) of unrelated motion that an encoder is calibrated with; None for one without."""
+    motions = (encoder.calibration or {}).get("motions")
+    return None if motions is None or len(motions) == 0 else np.asarray(motions, np.float32)

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import isfinite
 from numbers import Integral, Real
-from os import PathLike, fspath
-from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from encoders.arguments import finite_number, whole_number
 from encoders.errors import ArgumentError
 from encoders.protocol import Encoder
 from encoders.skeleton import JOINTS
@@ -21,49 +17,6 @@ MOST_JOBS = 256
 #: What indexing needs of an `Encoder`: values by their type, and methods.
 _ENCODER_VALUES = {"name": str, "fingerprint": str, "fps": Real, "max_frames": Integral, "latent_size": Integral}
 _ENCODER_METHODS = ("features", "encode_features", "encode_texts")
-
-
-def finite_number(value: Any) -> float | None:
-    """A finite real number as a float; None for anything else."""
-    if isinstance(value, bool) or not isinstance(value, Real):
-        return None
-    try:
-        number = float(value)
-    except OverflowError:
-        return None
-    return number if isfinite(number) else None
-
-
-def whole_number(value: Any) -> int | None:
-    """A whole number as an int; None for anything else."""
-    return None if isinstance(value, bool) or not isinstance(value, Integral) else int(value)
-
-
-def checked_path(name: str, value: Any) -> Path:
-    """A path: a string or path-like object that is not empty.
-
-    Raises
-    ------
-    ArgumentError
-        If it is none.
-    """
-    text = fspath(value) if isinstance(value, (str, PathLike)) else None
-    if not isinstance(text, str) or not text or "\0" in text:
-        raise ArgumentError(f"{name}={value!r} must be a path")
-    return Path(text)
-
-
-def checked_flag(name: str, value: Any) -> bool:
-    """True or False.
-
-    Raises
-    ------
-    ArgumentError
-        If it is something else.
-    """
-    if not isinstance(value, (bool, np.bool_)):
-        raise ArgumentError(f"{name}={value!r} must be True or False")
-    return bool(value)
 
 
 def checked_rate(fps: Any, name: str = "fps") -> float | None:
@@ -147,18 +100,4 @@ def checked_clip_id(id: Any) -> int:
     number = whole_number(id)
     if number is None:
         raise ArgumentError(f"id={id!r} must be the number of a clip")
-    return number
-
-
-def checked_time(name: str, value: Any) -> float | None:
-    """A time in seconds, or None.
-
-    Raises
-    ------
-    ArgumentError
-        If it is no finite number.
-    """
-    number = finite_number(value)
-    if value is not None and number is None:
-        raise ArgumentError(f"{name}={value!r} must be a finite number")
     return number

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from itertools import islice
 from os import PathLike
 from pathlib import Path
@@ -12,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from encoders.arguments import checked_count, checked_flag, checked_number, checked_span, unit_vector
 from encoders.errors import ArgumentError, QueryError
 from encoders.motion import FPS, Motion
+from indexer.argument_checks import checked_rate
 from indexer.ingest import arrays
 from indexer.ingest.arrays import NewClip
 from indexer.store.clips import Caption, Clip
@@ -21,19 +22,17 @@ from indexer.store.stored_library import StoredLibrary
 from search.drawing.film import write_picture
 from search.export.cut import writable, write_cut
 from search.hits import Hits
-from search.moments.across_library import best_moments
-from search.moments.one_motion import find, moments_of
+from search.moments.across_library import answers_in_candidates, best_moments
+from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
 from search.moments.segments import Segment, segment_motion
-from search.query.arguments import checked_count, checked_number, checked_span, optional_number, unit_vector
-from search.query.filters import FilterArguments, Filters
+from search.query.filters import FilterArguments, Filters, refuse_filters
 from search.query.question import EncodedQuestion, Question
-from search.ranking.alignment import LONGEST, RERANKED, alignment_bonus
+from search.ranking.alignment import RERANKED, rerank_by_alignment
 from search.ranking.answers import Answer, as_hits
-from search.ranking.batched import batched
-from search.ranking.clip_scores import ClipScore, best_clips, rank_candidate_clips
+from search.ranking.clip_scores import ClipScore, best_clips
 from search.ranking.description import describe_motion
-from search.references import Ref, source_of, span_of
+from search.references import Ref, is_vector, source_of, span_of
 from search.source import MotionSource
 
 if TYPE_CHECKING:
@@ -41,8 +40,6 @@ if TYPE_CHECKING:
 
 Ids = NDArray[np.int64]
 
-#: Candidate clips searched in one batch for a question of several sentences, and answers taken from each.
-_BATCH, _OF_EACH = 20, 10
 #: The shortest cut that can be compared, in seconds.
 _SHORTEST_CUT = 0.5
 #: Clips read at once.
@@ -68,11 +65,11 @@ class Library(StoredLibrary):
     def clips(self, **filters: Unpack[FilterArguments]) -> Iterator[Clip]:
         """The clips, in order of their numbers; read in chunks, so that memory does not grow with the library."""
         allowed = self.allowed(**filters)
-        if allowed is None:
-            yield from super().clips()
-            return
-        for first in range(0, len(allowed), _CHUNK):
-            yield from self.clips_by_id(allowed[first : first + _CHUNK].tolist()).values()
+        return super().clips() if allowed is None else self._chunks(allowed)
+
+    def _chunks(self, ids: Ids) -> Iterator[Clip]:
+        for first in range(0, len(ids), _CHUNK):
+            yield from self.clips_by_id(ids[first : first + _CHUNK].tolist()).values()
 
     def add(
         self,
@@ -132,12 +129,12 @@ class Library(StoredLibrary):
         """
         arrays.remove(self._writable(), ids)
 
-    def search(self, query: str | NDArray[Any], k: int = 10, **filters: Unpack[FilterArguments]) -> Hits:
+    def search(self, query: str | ArrayLike, k: int = 10, **filters: Unpack[FilterArguments]) -> Hits:
         """The clips that fit a sentence best, each with the span that does.
 
         Parameters
         ----------
-        query : str or array (D,)
+        query : str or array (D,) or (1, D)
             A sentence, or a vector of the model's space, of any length, such as one of `Encoder.encode_texts`.
 
         Raises
@@ -145,10 +142,7 @@ class Library(StoredLibrary):
         QueryError
             If the sentence is empty.
         """
-        if isinstance(query, str):
-            question = self.encode(Question.of(query, split_steps=False))
-        else:
-            question = EncodedQuestion(unit_vector(query, self.bundle.latent_size)[None])
+        question = self.encode(Question.of(query, split_steps=False)) if isinstance(query, str) else self._vector(query)
         return self.search_encoded(question, k, **filters)
 
     def search_encoded(self, question: EncodedQuestion, k: int = 10, **filters: Unpack[FilterArguments]) -> Hits:
@@ -199,11 +193,10 @@ class Library(StoredLibrary):
         **filters: Unpack[FilterArguments],
     ) -> Hits:
         """The moments that answer a question, in one motion or anywhere in the library; see `moments`."""
-        k, allowed = checked_count(k), self.allowed(**filters)
+        k = checked_count(k)
         if ref is None:
-            return self._moment_hits(self.encode(question), k, allowed)
-        if allowed is not None:
-            raise ArgumentError(f"{', '.join(filters)}: filters choose clips of the library, and a motion is given")
+            return self._moment_hits(self.encode(question), k, self.allowed(**filters))
+        refuse_filters(filters)
         return moments_of(QueriedMotion(self.bundle, self.source(ref, fps=fps), self.encode(question)), k)
 
     def encode(self, question: Question) -> EncodedQuestion:
@@ -251,7 +244,7 @@ class Library(StoredLibrary):
         list of Segment
             In order and without gaps; the label is empty where none fits.
         """
-        if captions and labels is not None:
+        if checked_flag("captions", captions) and labels is not None:
             raise ArgumentError("labels and captions=True exclude each other; give one")
         given = sorted(set(self.caption_vectors()[0])) if captions else labels
         return segment_motion(self.bundle, self.source(ref, fps=fps).motion, given)
@@ -313,7 +306,7 @@ class Library(StoredLibrary):
 
     def similar(
         self,
-        ref: Ref,
+        ref: Ref | list[float],
         k: int = 10,
         start: float | None = None,
         end: float | None = None,
@@ -327,16 +320,16 @@ class Library(StoredLibrary):
         Parameters
         ----------
         ref
-            A reference, or a vector (D,) of the model's space, such as one of `Encoder.encode_motions`.
+            A reference, or a vector (D,) or (1, D) of the model's space, such as one of `Encoder.encode_motions`.
 
         Raises
         ------
         QueryError
             If the span lies outside the motion or is too short to compare.
         """
-        k, allowed = checked_count(k), self.allowed(**filters)
-        if isinstance(ref, np.ndarray) and ref.ndim == 1:
-            question = EncodedQuestion(unit_vector(ref, self.bundle.latent_size)[None], kind="motion")
+        k, moments, allowed = checked_count(k), checked_flag("moments", moments), self.allowed(**filters)
+        if isinstance(ref, list) or is_vector(ref):
+            question = self._vector(ref, kind="motion")
             return self._moment_hits(question, k, allowed) if moments else self._clip_hits(question, k, allowed)
         source, (start, end) = self.source(ref, fps=fps), checked_span(*span_of(ref, start, end))
         motion = source.cut(start, end)
@@ -354,22 +347,11 @@ class Library(StoredLibrary):
         if is_cut:
             return self._clip_hits(question, k, allowed)
         found = best_clips(self, question.vectors[0], max(k, RERANKED), allowed=allowed, windows=False)
-        return self._hits(question, self._rerank_by_alignment(motion, found)[:k])
-
-    def _rerank_by_alignment(self, motion: Motion, found: list[ClipScore]) -> list[ClipScore]:
-        """The nearest clips, those first that also move alike moment by moment; scores rise accordingly."""
-        clips = self.clips_by_id([score.clip_id for score in found])
-        near = [score for score in found[:RERANKED] if clips[score.clip_id].duration <= LONGEST]
-        if not near or motion.duration > LONGEST:
-            return found
-        bonuses = alignment_bonus(self.bundle, motion, [self.motion(score.clip_id) for score in near])
-        bonus = {score.clip_id: float(b) for score, b in zip(near, bonuses, strict=True)}
-        raised = [replace(s, score=min(1.0, s.score + bonus.get(s.clip_id, 0.0))) for s in found]
-        return sorted(raised, key=lambda s: -s.score)
+        return self._hits(question, rerank_by_alignment(self.bundle, self, motion, found)[:k])
 
     def source(self, ref: Ref, *, fps: float | None = None) -> MotionSource:
         """The motion that a reference means, with what the library knows of it."""
-        return source_of(ref, self, fps=optional_number("fps", fps))
+        return source_of(ref, self, fps=checked_rate(fps))
 
     def allowed(self, **filters: Unpack[FilterArguments]) -> Ids | None:
         """The ids of the clips that pass the filters, sorted; None for all."""
@@ -384,6 +366,10 @@ class Library(StoredLibrary):
     def _cut(self, ref: Ref, start: float | None, end: float | None, fps: float | None) -> Motion:
         return self.source(ref, fps=fps).cut(*checked_span(*span_of(ref, start, end)))
 
+    def _vector(self, vector: Any, kind: str = "sentence") -> EncodedQuestion:
+        """A query vector as a question."""
+        return EncodedQuestion(unit_vector(vector, self.bundle.latent_size)[None], kind=kind)
+
     def _clip_hits(self, question: EncodedQuestion, k: int, allowed: Ids | None) -> Hits:
         return self._hits(question, best_clips(self, question.vectors[0], k, allowed=allowed))
 
@@ -395,20 +381,11 @@ class Library(StoredLibrary):
     def _moment_hits(self, question: EncodedQuestion, k: int, allowed: Ids | None) -> Hits:
         """The best spans over all clips."""
         if question.how == "alone":
-            found = best_moments(self.bundle, self, self._source_of, question, k, allowed=allowed)
-            sources = self._sources([clip_id for clip_id, _ in found])
-            return as_hits(self.bundle, question, [Answer(sources[clip_id], moment) for clip_id, moment in found])
-        return as_hits(self.bundle, question, list(islice(self._find_in_candidates(question, allowed), k)))
-
-    def _find_in_candidates(self, question: EncodedQuestion, allowed: Ids | None) -> Iterator[Answer]:
-        """Answers in the clips in which all sentences are likely, best first in each batch of clips."""
-        for ids in batched(rank_candidate_clips(self, question.vectors, allowed=allowed), _BATCH):
-            found = [
-                answer
-                for source in self._sources(ids).values()
-                for answer in find(QueriedMotion(self.bundle, source, question), _OF_EACH)
-            ]
-            yield from sorted(found, key=lambda answer: -answer.moment.score)
+            located = best_moments(self.bundle, self, self._source_of, question, k, allowed=allowed)
+            sources = self._sources([clip_id for clip_id, _ in located])
+            return as_hits(self.bundle, question, [Answer(sources[clip_id], moment) for clip_id, moment in located])
+        found = answers_in_candidates(self.bundle, self, self._sources, question, allowed=allowed)
+        return as_hits(self.bundle, question, list(islice(found, k)))
 
     def _source_of(self, clip_id: int) -> MotionSource:
         return MotionSource.of_clip(self, self.clip(clip_id))

@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from difflib import get_close_matches
 from os import PathLike, fspath
+from os.path import exists, isdir, isfile
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.arguments import checked_path
 from encoders.errors import ArgumentError, QueryError, UnknownClip, UnreadableMotion
 from encoders.motion import Motion
 from indexer.ingest.arrays import to_motion
@@ -44,6 +46,7 @@ def source_of(ref: Ref, library: StoredLibrary | None = None, *, fps: float | No
         If it is nothing that can be meant, or the frame rate makes no sense.
     """
     if isinstance(ref, (str, PathLike)):
+        checked_path("ref", ref)
         return find_source(ref, library, fps=fps)
     if isinstance(ref, Clip):
         return _source_of_clip(ref.id, ref.path, ref.file, library, fps)
@@ -58,6 +61,16 @@ def source_of(ref: Ref, library: StoredLibrary | None = None, *, fps: float | No
     if isinstance(ref, MotionSource):
         return ref
     raise ArgumentError(f"a path, clip, hit, Motion or array of joints (T, 22, 3) is needed, not {type(ref).__name__}")
+
+
+def is_vector(value: Any) -> bool:
+    """Whether a value is meant as a query vector rather than a reference: numbers in one or two dimensions."""
+    if isinstance(value, (str, PathLike, Clip, Hit, Motion, MotionSource)):
+        return False
+    try:
+        return np.ndim(value) in (1, 2)
+    except ValueError:  # lists of different lengths
+        return True
 
 
 def span_of(ref: Ref, start: float | None, end: float | None) -> tuple[float | None, float | None]:
@@ -91,11 +104,10 @@ def find_clip(library: StoredLibrary, ref: str | PathLike[str]) -> Clip | None:
     UnknownClip
         If it is neither.
     """
-    path = Path(ref)
-    if not path.is_file():
-        return library.find(fspath(ref))
+    if not isfile(ref):
+        return library.find(ref)
     try:
-        return library.find(str(path.resolve()))
+        return library.find(Path(ref).resolve())
     except UnknownClip:
         return None
 
@@ -115,12 +127,11 @@ def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps:
     QueryError
         If it names a clip that was added as an array, with a frame rate.
     """
-    path = Path(ref)
-    if path.is_dir() and (library is None or not library.ids("clips.name = ?", [fspath(ref)]).size):
+    if isdir(ref) and (library is None or not library.matches(ref)):
         raise UnreadableMotion(ref, "this is a folder; name a file in it, or a clip of a library by path, name or #id")
     if library is None:
-        if not path.exists():
-            raise UnreadableMotion(ref, "there is no such file; to name a clip of a library, add --library FOLDER")
+        if not exists(ref):
+            raise UnreadableMotion(ref, "there is no such file, and no library is given that could hold such a clip")
         return MotionSource.of_file(ref, fps=fps)
     try:
         clip = find_clip(library, ref)
@@ -137,13 +148,13 @@ def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps:
 
 
 def _suggestion(library: StoredLibrary, ref: str) -> str:
-    """Clips that a reference may have meant which names no clip, or several."""
-    if library.ids("clips.name = ?", [ref]).size:
+    """Clips that a reference may have meant which names none; empty where it names several."""
+    if library.matches(ref):
         return ""
     clips = library.clips_by_id(library.ids()[:_NAMES_COMPARED]).values()
     if ref.isdigit() and int(ref) in (clip.id for clip in clips):
         return f"; did you mean '#{ref}'?"
-    meant = {name: clip.path for clip in clips for name in (clip.path, clip.name)}
+    meant = {name: library.reference(clip.root_name, clip.path) for clip in clips for name in (clip.path, clip.name)}
     near = dict.fromkeys(meant[name] for name in get_close_matches(ref, meant, n=3))
     missing = "" if ref.startswith("#") else ", and no such file"
     return f"{missing}; did you mean {' or '.join(near)}?" if near else missing

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 
+from encoders.arguments import checked_count, checked_span
 from encoders.bundle.bundle import Bundle
+from encoders.errors import ArgumentError
 from encoders.protocol import Encoder
+from indexer.argument_checks import checked_rate
 from search.hits import Hits
 from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
 from search.moments.segments import Segment, segment_motion
-from search.query.arguments import checked_count, checked_span, optional_number
 from search.query.question import Question
 from search.ranking.description import describe_motion
 from search.references import Ref, source_of, span_of
@@ -38,7 +40,7 @@ def moments(
     ref : path, Motion, hit or array (T, 22, 3)
         The motion to search in.
     k : int
-        At most so many.
+        Maximum number of hits.
     then : sequence of str
         Steps that follow, where the sentence does not state them itself ("walks, then sits down").
     meanwhile : sequence of str
@@ -101,6 +103,8 @@ def segment(
 
 
 def _encoder(bundle: Encoder | None) -> Encoder:
+    if bundle is not None and not isinstance(bundle, Encoder):
+        raise ArgumentError(f"bundle={bundle!r} must be an Encoder, such as Bundle.load(folder)")
     return _shipped() if bundle is None else bundle
 
 
@@ -110,4 +114,4 @@ def _shipped() -> Bundle:
 
 
 def _source(ref: Ref, fps: float | None) -> MotionSource:
-    return source_of(ref, fps=optional_number("fps", fps))
+    return source_of(ref, fps=checked_rate(fps))

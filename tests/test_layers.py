@@ -16,7 +16,9 @@ from tests.conftest import ROOT
 
 #: Package -> its rooms, lowest first. A room imports only lower ones and those of lower packages.
 ROOMS = {
-    "encoders": ("errors skeleton geometry english drawing motion features protocol bundle metrics corpus tmr".split()),
+    "encoders": (
+        "errors arguments skeleton geometry english drawing motion features protocol bundle metrics corpus tmr".split()
+    ),
     "indexer": "argument_checks take formats rigs vectors store ingest datasets".split(),
     "search": (
         "spans hits source references query ranking moments documents export drawing library standalone "

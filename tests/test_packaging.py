@@ -76,6 +76,15 @@ def test_a_package_of_that_name_that_is_already_imported_is_named_too(tmp_path: 
     )
 
 
+def test_a_module_without_file_or_spec_is_named_too() -> None:
+    for made in ("types.ModuleType('search')", "types.SimpleNamespace()"):
+        code = f"import sys, types; sys.modules['search'] = {made}; import motionseek"
+        imported = run_python(code, first=ROOT, cwd=ROOT)
+        assert imported.stderr.splitlines()[-1].startswith(
+            "ImportError: motionseek's package 'search' is hidden by <search>"
+        )
+
+
 def test_a_folder_without_init_hides_nothing(tmp_path: Path) -> None:
     for name in ("encoders", "indexer", "search"):
         (tmp_path / name).mkdir()

@@ -8,6 +8,7 @@ import inspect
 import pickle
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -168,9 +169,30 @@ def test_a_vector_is_a_query(library: motionseek.Library, bundle: motionseek.Enc
     assert [hit.clip_id for hit in library.similar(8 * vector, 3)] == [h.clip_id for h in library.similar(vector, 3)]
     assert len(library.similar(vector, 2, moments=True)) > 0
     assert library.search(vector, 1)[0].clip_id == 2
-    for wrong in (vector[:5], np.full_like(vector, np.nan), np.zeros_like(vector)):
-        with pytest.raises(motionseek.ArgumentError, match="vector"):
-            library.search(wrong)
+
+
+def test_one_rule_for_vectors(library: motionseek.Library, bundle: motionseek.Encoder) -> None:
+    vector = bundle.encode_motions([library.motion(2)])[0]
+    for ask in (library.search, library.similar):
+        known = ask(vector)
+        for same in (vector[None], vector.tolist(), [vector.tolist()], 1e200 * vector.astype(np.float64)):
+            assert [hit.clip_id for hit in ask(same)] == [hit.clip_id for hit in known]
+        for wrong in (vector[:5], np.full_like(vector, np.nan), np.zeros_like(vector), [], [[1], [2, 3]], [["a"]]):
+            with pytest.raises(motionseek.ArgumentError, match="vector"):
+                ask(wrong)
+
+
+def test_a_partial_calibration_is_enough(tmp_path: Path) -> None:
+    own = _Deaf(None)
+    own.calibration = {"motions": np.eye(66, dtype=np.float32)}
+    assert isinstance(own, motionseek.Encoder)
+    assert not isinstance("a model", motionseek.Encoder)
+    with motionseek.open(tmp_path, bundle=own, create=True) as library:
+        library.add("walk", made_motion(4, 1), "a person walks")
+        assert library.search("a person walks")[0].strength == ""
+        assert library.similar(made_motion(4, 1))[0].strength == ""
+        assert library.describe("walk", 1)
+        assert library.segment("walk", ["walk"])
 
 
 @pytest.mark.parametrize("kind", ["path", "clip", "hit", "motion", "array"])
@@ -269,6 +291,62 @@ def test_spans_rates_and_lists_are_refused_by_name(library: motionseek.Library, 
         library.moments("walks", "wave", path="walks/*")
     with pytest.raises(motionseek.ArgumentError, match="int"):
         library.describe(3)
+
+
+NUL, LONG, SURROGATE = "a\0b", "x" * 5000, "\ud800"
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda library, _: library.search("walks", 10**30),
+        lambda library, _: library.search("walks", path=SURROGATE),
+        lambda library, _: library.search("walks", min_duration=10**400),
+        lambda library, _: library.search("walks", max_duration=10**5000),
+        lambda library, _: library.search(SURROGATE),
+        lambda library, _: library.segment("wave", [SURROGATE]),
+        lambda library, _: library.segment("wave", captions="yes"),
+        lambda library, _: library.moments("walks", split_steps="no"),
+        lambda library, _: library.similar("wave", moments="no"),
+        lambda library, _: library.export("wave", 5),
+        lambda library, _: library.export("wave", NUL + ".bvh"),
+        lambda library, folder: library.export("wave", folder / "missing" / "cut.bvh"),
+        lambda library, folder: library.export("wave", folder, overwrite=True),
+        lambda library, folder: library.export("wave", folder / "cut.bvh", overwrite="no"),
+        lambda library, folder: library.render("wave", folder / "missing" / "wave.png"),
+        lambda library, folder: library.render("wave", folder / "wave.png", size=10**9),
+        lambda library, folder: library.render("wave", folder / "wave.png", size=1),
+        lambda library, folder: library.render("wave", folder / "wave.gif", fps="x"),
+        lambda library, _: library.nearest_clips(np.zeros((1, 3), np.float32), 5),
+        lambda library, _: library.nearest_windows(library.bundle.encode_texts(["walks"])[0], 5),
+        lambda library, _: library.nearest_clips(library.bundle.encode_texts(["walks"]), 0),
+        lambda library, _: library.bundle.encode_texts("walk"),
+        lambda library, _: library.bundle.encode_texts([5]),
+        lambda library, _: library.bundle.encode_motions([np.zeros((10, 22, 3))]),
+        lambda library, _: library.bundle.encode_motions(made_motion(2, 1)),
+        lambda library, _: library.clip("wave"),
+        lambda library, _: library.motion(1, float("nan")),
+        lambda library, _: library.describe(NUL),
+        lambda library, _: library.describe("wave", fps=-1),
+        lambda library, _: library.describe("wave", 1, 10**400),
+        lambda library, _: library.clips(foo=1),
+        lambda _, __: motionseek.describe(made_motion(2, 1), bundle="model"),
+        lambda _, __: motionseek.Bundle.load(5),
+    ],
+)
+def test_wrong_arguments_are_argument_errors(library: motionseek.Library, tmp_path: Path, ask: Any) -> None:
+    with pytest.raises(motionseek.ArgumentError):
+        ask(library, tmp_path)
+
+
+def test_names_that_no_file_can_have_are_unknown(library: motionseek.Library, tmp_path: Path) -> None:
+    for name in (LONG, SURROGATE, LONG + "/a.bvh", "#" + "9" * 30, "\udcff.bvh"):
+        with pytest.raises(motionseek.MotionSeekError):
+            library.describe(name)
+        with pytest.raises(motionseek.MotionSeekError):
+            motionseek.describe(name)
+    with pytest.raises(motionseek.MotionSeekError, match="cannot be written"):
+        library.export("wave", tmp_path / (LONG + ".bvh"))
 
 
 def test_numbers_of_numpy_are_numbers(library: motionseek.Library) -> None:

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.arguments import checked_list, checked_path, checked_sentences
 from encoders.bundle.batching import length_buckets, pad
 from encoders.bundle.manifest import CALIBRATION, MOTION, TEXT, TOKENIZER, Manifest, read_manifest
 from encoders.bundle.windows import window_starts
-from encoders.errors import BundleError
+from encoders.errors import ArgumentError, BundleError
 from encoders.features.registry import FEATURE_KINDS
 from encoders.motion import Motion
 
@@ -82,7 +83,7 @@ class Bundle:
         BundleError
             If the folder is no bundle or is damaged; see `read_manifest`.
         """
-        folder = DEFAULT if folder is None else Path(folder)
+        folder = DEFAULT if folder is None else checked_path("folder", folder)
         return cls(folder, read_manifest(folder), threads)
 
     @property
@@ -109,6 +110,7 @@ class Bundle:
     def encode_features(self, features: Sequence[Array]) -> Array:
         """Unit vectors (N, D) of N feature sequences (T', F); a longer one than the model reads as a whole is the mean
         of its half-overlapping windows."""
+        features = checked_list("features", features, np.ndarray)
         for sequence in features:
             self._check(sequence)
         latents = np.empty((len(features), self.latent_size), np.float32)
@@ -126,7 +128,7 @@ class Bundle:
         self._check(features)
         starts = np.asarray(starts, np.int64)
         if length < 1 or (len(starts) and (starts.min() < 0 or starts.max() + length > len(features))):
-            raise ValueError(f"windows of {length} frames must lie inside the {len(features)} frames")
+            raise ArgumentError(f"windows of {length} frames must lie inside the {len(features)} frames")
         latents = np.empty((len(starts), self.latent_size), np.float32)
         size = max(1, _FRAMES_A_BATCH // length)
         for first in range(0, len(starts), size):
@@ -137,10 +139,11 @@ class Bundle:
 
     def encode_motions(self, motions: Sequence[Motion]) -> Array:
         """Unit vectors (N, D), see `encode_features`."""
-        return self.encode_features([self.features(motion) for motion in motions])
+        return self.encode_features([self.features(motion) for motion in checked_list("motions", motions, Motion)])
 
     def encode_texts(self, sentences: Sequence[str]) -> Array:
         """Unit vectors (N, D) of N sentences; those of the last few thousand are cached."""
+        sentences = checked_sentences("sentences", sentences)
         cached = {sentence: self._cached_latent(sentence) for sentence in sentences}
         new = [sentence for sentence, latent in cached.items() if not latent]
         for sentence, latent in zip(new, self._encode_new_texts(new), strict=True):
@@ -163,7 +166,7 @@ class Bundle:
     def _check(self, features: Array) -> None:
         size = FEATURE_KINDS[self.feature_kind].size
         if features.ndim != 2 or features.shape[1] != size or len(features) == 0:
-            raise ValueError(f"features {features.shape} must be (T', {size}) with T' >= 1")
+            raise ArgumentError(f"features {features.shape} must be (T', {size}) with T' >= 1")
 
     def _encode(self, features: Array, lengths: NDArray[np.int64]) -> Array:
         feed = {"features": np.asarray(features, np.float32), "lengths": lengths}

@@ -15,10 +15,11 @@ from unicodedata import category
 import numpy as np
 from numpy.typing import ArrayLike
 
+from encoders.arguments import finite_number, is_text
 from encoders.errors import ArgumentError, UnknownClip, UnreadableMotion
 from encoders.motion import FPS, Motion, joint_array
 from encoders.protocol import Encoder
-from indexer.argument_checks import checked_rate, finite_number
+from indexer.argument_checks import checked_rate
 from indexer.formats.npy import take_of
 from indexer.ingest.caption_files import MAX_TEXT
 from indexer.ingest.encode import captions_without_vectors, encode, insert_caption_vectors, use_model
@@ -170,16 +171,8 @@ def _record(id: Any) -> ArrayItem:
 def _check_text(id: Any) -> None:
     if not isinstance(id, str):
         raise ArgumentError(f"id {id!r} must be a string")
-    if not _is_utf8(id):
+    if not is_text(id):
         raise ArgumentError(f"id {id[:40]!r} must be valid Unicode")
-
-
-def _is_utf8(text: str) -> bool:
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
 
 
 def _rows(item: NewClip) -> list[CaptionRow]:
@@ -195,7 +188,7 @@ def _row(id: str, given: Any) -> Iterator[CaptionRow]:
     if not isinstance(caption, Caption) or not isinstance(caption.text, str):
         raise ArgumentError(f"{id}: captions must be strings or Captions, not {given!r}")
     text = " ".join(caption.text.split())
-    if len(text) > MAX_TEXT or not _is_utf8(text):
+    if len(text) > MAX_TEXT or not is_text(text):
         raise ArgumentError(f"{id}: a caption must be at most {MAX_TEXT} characters of valid Unicode")
     start, end = finite_number(caption.start), finite_number(caption.end)
     is_whole = caption.start is None and caption.end is None

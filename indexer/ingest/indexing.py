@@ -9,15 +9,14 @@ from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 
+from encoders.arguments import checked_flag, checked_path
 from encoders.errors import ArgumentError, LibraryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.argument_checks import (
     checked_encoder,
-    checked_flag,
     checked_jobs,
     checked_joint_map,
-    checked_path,
     checked_rate,
 )
 from indexer.ingest import side_files

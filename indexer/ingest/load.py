@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from os import PathLike
 
+from encoders.arguments import checked_path
 from encoders.motion import Motion
-from indexer.argument_checks import checked_joint_map, checked_path, checked_rate
+from indexer.argument_checks import checked_joint_map, checked_rate
 from indexer.formats.reading import read_take
 from indexer.rigs.retarget import retarget
 

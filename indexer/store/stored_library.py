@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import sqlite3
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from os import PathLike, fspath
-from pathlib import Path, PurePosixPath
+from pathlib import Path, PurePath, PurePosixPath
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.arguments import checked_flag, checked_path, is_text, optional_number
 from encoders.bundle.windows import Windows
 from encoders.errors import (
     ArgumentError,
@@ -26,7 +27,7 @@ from encoders.errors import (
 )
 from encoders.motion import FPS, Motion
 from encoders.protocol import Encoder
-from indexer.argument_checks import checked_clip_id, checked_encoder, checked_flag, checked_path, checked_time
+from indexer.argument_checks import checked_clip_id, checked_encoder
 from indexer.store import captions, poses, schema
 from indexer.store.clips import LIVE, Caption, Clip, root_names, select
 from indexer.store.files import ARRAYS_ROOT
@@ -229,7 +230,7 @@ class StoredLibrary:
         return select(self.connection, self._roots(), condition, values)
 
     def find(self, ref: str | PathLike[str]) -> Clip:
-        """The clip that is meant: "#12", a path from a root, an absolute path, or a name that only one clip has.
+        """The clip that is meant; see `matches`.
 
         Raises
         ------
@@ -238,27 +239,45 @@ class StoredLibrary:
         ArgumentError
             If it is no string or path.
         """
+        found = self.matches(ref)
+        if len(found) > 1:
+            some = ", ".join(f"{self.reference(clip.root_name, clip.path)} (#{clip.id})" for clip in found[:5])
+            more = ", ..." if len(found) > 5 else ""
+            raise UnknownClip(f"{ref!s}: {len(found)} clips are called so; name one of them: {some}{more}")
+        if not found:
+            raise UnknownClip(f"{ref!s}: no clip of that path or name in {self.folder}")
+        return found[0]
+
+    def matches(self, ref: str | PathLike[str]) -> list[Clip]:
+        """The clips that a reference may mean, of the first reading that gives any.
+
+        "#12"; the name of a root and a path in it, where there are several roots; a path in a root; an absolute path;
+        a name.
+        """
         text = fspath(ref) if isinstance(ref, (str, PathLike)) else None
         if not isinstance(text, str):
             raise ArgumentError(f"ref={ref!r} must be a path, a name or '#number' of a clip")
+        if "\0" in text or not is_text(text):
+            return []
         if text.startswith("#") and text[1:].isdecimal() and len(text) <= len(str(_LARGEST_ID)):
-            return self.clip(int(text[1:]))
-        if "\0" in text or not _is_utf8(text):
-            raise UnknownClip(f"{text!r}: no clip of that path or name in {self.folder}")
-        found = self._select("files.path = ?", [PurePosixPath(text.replace("\\", "/")).as_posix()])
-        if not found:
-            place = Path(text).absolute().resolve()
-            inside = [(key, root) for key, root in self._roots().items() if place.is_relative_to(root)]
-            for key, root in inside:
-                found += self._select("files.root_id = ? AND files.path = ?", [key, place.relative_to(root).as_posix()])
-        if not found:
-            found = self._select("clips.name = ?", [text])
-        if len(found) > 1:
-            some = ", ".join(f"#{clip.id} {clip.path}" for clip in found[:5])
-            raise UnknownClip(f"{text}: {len(found)} clips are called so ({some}); name one by its path or #number")
-        if not found:
-            raise UnknownClip(f"{text}: no clip of that path or name in {self.folder}")
-        return found[0]
+            return list(self.clips_by_id([int(text[1:])]).values())
+        roots, path, place = self._roots(), PurePosixPath(text.replace("\\", "/")), Path(text).absolute().resolve()
+        named = {key: PurePosixPath(name) for key, name in root_names(roots).items()} if len(roots) > 1 else {}
+        return (
+            self._below(named, path)
+            or self._select("files.path = ?", [path.as_posix()])
+            or self._below(roots, place)
+            or self._select("clips.name = ?", [text])
+        )
+
+    def _below(self, roots: Mapping[int, PurePath], path: PurePath) -> list[Clip]:
+        """The clips at a path below roots; more than one where a root lies in another."""
+        inside = [(key, path.relative_to(root).as_posix()) for key, root in roots.items() if path.is_relative_to(root)]
+        return [clip for place in inside for clip in self._select("files.root_id = ? AND files.path = ?", place)]
+
+    def reference(self, root: str, path: str) -> str:
+        """What `find` takes for a clip of a root: the path, after the root's name where there are several roots."""
+        return f"{root}/{path}" if root and len(self._roots()) > 1 else path
 
     def motion(self, id: int, start: float | None = None, end: float | None = None) -> Motion:
         """The clip's motion, or a span of it in seconds, out of the stored poses.
@@ -273,12 +292,12 @@ class StoredLibrary:
             If the span is empty or begins after the clip ends; `ArgumentError` if `start` or `end` is no number.
         """
         clip = self.clip(id)
-        start, end = checked_time("start", start), checked_time("end", end)
+        start, end = optional_number("start", start), optional_number("end", end)
         end = clip.duration if end is None else min(end, clip.duration)
         start = max(start or 0.0, 0.0)
         if start >= end:
             raise QueryError(
-                f"span {start:g} to {end:g} s lies outside {clip.path} of {clip.duration:g} s; "
+                f"{clip.path}: span {start:g} to {end:g} s lies outside its {clip.duration:g} s; "
                 "give a start and end inside it, in seconds"
             )
         first = min(round(start * FPS), clip.frames - 1)
@@ -403,11 +422,3 @@ def _create(folder: Path) -> Path:
             f"{folder}: cannot be written ({error}); keep the library elsewhere with --library DIR"
         ) from error
     return folder
-
-
-def _is_utf8(text: str) -> bool:
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return False
-    return True

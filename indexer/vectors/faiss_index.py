@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.arguments import checked_count, checked_vectors
 from indexer.vectors.blocks import Block, IndexRows, MaskedBlock, SearchResult
 from indexer.vectors.cached_block import CachedBlock
 from indexer.vectors.clustered import ClusteredBlock
@@ -107,7 +108,8 @@ class FaissIndex:
 
     def search(self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None) -> SearchResult:
         """See `VectorIndex.search`."""
-        queries = np.ascontiguousarray(queries, np.float32)
+        size = self.size if len(self) else np.shape(queries)[-1]  # an empty index takes vectors of any size
+        queries, k = checked_vectors("queries", queries, size), checked_count(k)
         found = [part.search(queries, k, allowed) for part in (self._main, *self._added) if len(part)]
         if not found:
             blank = np.zeros((len(queries), k), np.float32)

@@ -11,7 +11,8 @@ from typing import IO
 
 import numpy as np
 
-from encoders.errors import ArgumentError, QueryError
+from encoders.arguments import checked_flag, checked_path
+from encoders.errors import ArgumentError, MotionSeekError, QueryError
 from encoders.motion import Motion
 from indexer.formats.reading import is_of_format
 from search.export import bvh_writer
@@ -34,7 +35,7 @@ def write_cut(
     QueryError
         If the cut lies outside the motion, the ending names no format that can be written, or `out` is the source.
     """
-    if source.file is not None and out.exists() and out.samefile(source.file):
+    if source.file is not None and os.path.exists(out) and out.samefile(source.file):
         raise QueryError(f"{out} is the clip itself; name another file, its source would be lost")
     motion = source.cut(start, end)
     writer = WRITERS.get(out.suffix.lower())
@@ -71,21 +72,37 @@ def writable(out: str | os.PathLike[str], overwrite: bool) -> Path:
     Raises
     ------
     ArgumentError
-        If it exists and is not to be overwritten.
+        If it is no path, its folder does not exist, or it exists and is not to be overwritten.
     """
-    path = Path(out)
-    if path.exists() and not overwrite:
+    path, overwrite = checked_path("out", out), checked_flag("overwrite", overwrite)
+    if not os.path.isdir(path.absolute().parent):
+        raise ArgumentError(f"out={str(path)!r}: no folder {path.absolute().parent}; create it first")
+    if os.path.isdir(path):
+        raise ArgumentError(f"out={str(path)!r} is a folder; name a file in it")
+    if os.path.exists(path) and not overwrite:
         raise ArgumentError(f"{path} exists; overwrite it with overwrite=True")
     return path
 
 
 @contextmanager
 def replacing(out: Path) -> Iterator[IO[bytes]]:
-    """A file that takes the place of `out` once it is whole."""
+    """A file that takes the place of `out` once it is whole.
+
+    Raises
+    ------
+    MotionSeekError
+        If the system cannot write it.
+    """
     try:
-        handle, name = tempfile.mkstemp(dir=out.absolute().parent, prefix=f".{out.name}.")
+        with _replacing(out) as file:
+            yield file
     except OSError as error:
-        raise OSError(error.errno, error.strerror, str(out)) from None
+        raise MotionSeekError(f"{out}: cannot be written ({error.strerror or error})") from error
+
+
+@contextmanager
+def _replacing(out: Path) -> Iterator[IO[bytes]]:
+    handle, name = tempfile.mkstemp(dir=out.absolute().parent, prefix=f".{out.name[:40]}.")
     try:
         with os.fdopen(handle, "wb") as file:
             yield file

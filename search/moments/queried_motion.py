@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle.windows import LENGTHS, WINDOWS_A_LENGTH
-from encoders.protocol import Encoder
+from encoders.protocol import Encoder, unrelated_motions
 from search.moments.window_scores import STRIDE, Vectors, WindowScores, frame_curve, similarity_at
 from search.query.question import EncodedQuestion
 from search.source import MotionSource
@@ -82,11 +82,8 @@ class QueriedMotion:
     @cached_property
     def _unrelated(self) -> Vectors | None:
         """Similarity (Q, M) of the model's unrelated motions; None where the model carries none."""
-        calibration = self.encoder.calibration
-        if calibration is None:
-            return None
-        similarity: Vectors = self.queries @ calibration["motions"].astype(np.float32).T
-        return similarity
+        motions = unrelated_motions(self.encoder)
+        return None if motions is None else np.asarray(self.queries @ motions.T)
 
     def stretch(self, start: float, end: float) -> tuple[Vectors, float]:
         """The features from `start` to `end`, in seconds, as far as the motion goes, and the second they begin at.

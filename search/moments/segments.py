@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.arguments import checked_sentences
 from encoders.errors import ArgumentError
 from encoders.motion import Motion
-from encoders.protocol import Encoder
+from encoders.protocol import Encoder, unrelated_motions
 from search.moments.window_scores import Vectors, frame_curve
-from search.query.arguments import checked_sentences
 from search.query.encoding import encode_queries
 from search.query.vocabulary import vocabulary
 
@@ -101,6 +101,7 @@ def best_path(gains: NDArray[np.floating], switch: float) -> NDArray[np.int64]:
 
 def _unrelated(encoder: Encoder, queries: Vectors, similarity: Vectors) -> NDArray[np.floating]:
     """What unrelated motion scores for each label (L,): the model's background, else the take's own median."""
-    if encoder.calibration is None:
+    motions = unrelated_motions(encoder)
+    if motions is None:
         return np.asarray(np.median(similarity, axis=1))
-    return np.asarray(np.percentile(queries @ encoder.calibration["motions"].T, _BACKGROUND_PERCENTILE, axis=1))
+    return np.asarray(np.percentile(queries @ motions.T, _BACKGROUND_PERCENTILE, axis=1))

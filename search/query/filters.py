@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, TypedDict
 
-import numpy as np
-
+from encoders.arguments import checked_flag, checked_text, optional_number
 from encoders.errors import ArgumentError
-from search.query.arguments import optional_number
 
 #: Filter -> the SQL condition it stands for; the value is always bound, never pasted.
 _CONDITIONS = {
@@ -79,18 +77,35 @@ class Filters:
             object.__setattr__(self, name, optional_number(name, getattr(self, name)))
         for name in ("path", "rig", "format"):
             value = getattr(self, name)
-            if value is not None and not isinstance(value, str):
-                raise ArgumentError(f"{name}={value!r} must be a string")
-        if self.captioned is not None and not isinstance(self.captioned, (bool, np.bool_)):
-            raise ArgumentError(f"captioned={self.captioned!r} must be True or False")
+            if value is not None:
+                checked_text(name, value)
+        if self.captioned is not None:
+            checked_flag("captioned", self.captioned)
         low, high = self.min_duration, self.max_duration
         if low is not None and high is not None and low > high:
             raise ArgumentError(f"min_duration={low:g} is more than max_duration={high:g}: no clip can be both")
 
+    @property
+    def given(self) -> list[str]:
+        """The names of the filters that are given."""
+        return [name for name in self.__dataclass_fields__ if getattr(self, name) is not None]
+
     def where(self) -> tuple[str, tuple[Any, ...]]:
         """The SQL condition on the table of clips and the values to bind; an empty condition for all clips."""
-        given = {name: getattr(self, name) for name in _CONDITIONS if getattr(self, name) is not None}
+        given = [name for name in self.given if name in _CONDITIONS]
         conditions = [_CONDITIONS[name] for name in given]
         if self.captioned is not None:
             conditions.append(_CAPTIONED if self.captioned else _CAPTIONED.replace(" IN ", " NOT IN "))
-        return " AND ".join(conditions), tuple(given.values())
+        return " AND ".join(conditions), tuple(getattr(self, name) for name in given)
+
+
+def refuse_filters(filters: FilterArguments) -> None:
+    """Check the filters of a question about one motion.
+
+    Raises
+    ------
+    ArgumentError
+        If one is given: filters choose clips of a library.
+    """
+    if given := Filters.of(filters).given:
+        raise ArgumentError(f"{', '.join(given)}: filters choose clips of the library, and one motion is asked about")

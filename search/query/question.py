@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.arguments import checked_flag, checked_sentences
 from encoders.errors import QueryError
 from encoders.protocol import Encoder
-from search.query.arguments import checked_sentences
 from search.query.encoding import encode_queries
 from search.query.steps import split
 
@@ -45,6 +45,7 @@ class Question:
         QueryError
             If there is no sentence, one is not a string, or both an order and things at the same time are given.
         """
+        split_steps = checked_flag("split_steps", split_steps)
         steps, meanwhile = checked_sentences("then", steps), checked_sentences("meanwhile", meanwhile)
         given = [*([] if sentence is None else checked_sentences("sentence", [sentence])), *steps, *meanwhile]
         if not given or not all(any(character.isalnum() for character in text) for text in given):

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.protocol import Encoder
+from encoders.protocol import Encoder, unrelated_motions
 
 #: The published share is a half, which takes more from short plain sentences than is good on validation.
 _NEAREST, _SHARE = 30, 0.35
@@ -20,9 +20,10 @@ _NEAREST, _SHARE = 30, 0.35
 def hubness_penalty(encoder: Encoder, sentences: ArrayLike) -> NDArray[np.float32]:
     """What to subtract from the scores of sentences (N, D): (N,), zero where there are no unrelated motions."""
     vectors = np.asarray(sentences, np.float32)
-    if encoder.calibration is None:
+    motions = unrelated_motions(encoder)
+    if motions is None:
         return np.zeros(len(vectors), np.float32)
-    scores = vectors @ np.asarray(encoder.calibration["motions"], np.float32).T
+    scores = vectors @ motions.T
     count = min(_NEAREST, scores.shape[1])
     nearest: NDArray[np.float32] = np.partition(scores, -count, axis=1)[:, -count:].mean(axis=1)
     return _SHARE * nearest

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.protocol import Encoder
+from encoders.protocol import Encoder, unrelated_motions
 from search.hits import PLAUSIBLE, STRONG, WEAK
 from search.query.known_words import Words, out_of_vocabulary_share
 from search.query.question import EncodedQuestion
@@ -65,14 +65,14 @@ def judge(encoder: Encoder, question: EncodedQuestion, scores: ArrayLike) -> lis
     Returns
     -------
     list of str
-        "strong", "plausible" or "weak"; empty strings where the encoder carries no calibration.
+        "strong", "plausible" or "weak"; empty strings where the encoder is not calibrated for such questions.
     """
-    calibration = encoder.calibration
+    calibration, background = encoder.calibration or {}, unrelated_motions(encoder)
+    coefficients = calibration.get(f"{question.kind}_coefficients")
     s = np.asarray(scores, np.float64)
-    if calibration is None or len(s) == 0:
+    if background is None or coefficients is None or len(s) == 0:
         return [""] * len(s)
-    statistics = score_statistics(question.vectors.mean(axis=0), s, calibration["motions"])
-    right = probability(statistics, calibration[f"{question.kind}_coefficients"])
+    right = probability(score_statistics(question.vectors.mean(axis=0), s, background), coefficients)
     strengths = [STRONG if p >= _STRONG_FROM else PLAUSIBLE if p >= _PLAUSIBLE_FROM else WEAK for p in right]
     words = calibration.get("words")
     if words is None or not any(is_out_of_vocabulary(sentence, words) for sentence in question.sentences):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import Depends, Path, Query
 from starlette.exceptions import HTTPException
+
+from search.query.filters import FilterArguments
 
 _TEXT = {"min_length": 1, "max_length": 500}
 _CLIP = r"^(#?[0-9]{1,18}|u[0-9a-f]{32})$"
@@ -31,9 +33,9 @@ async def filters(
     rig: Annotated[str | None, Query(max_length=200)] = None,
     format: Annotated[str | None, Query(max_length=200)] = None,
     captioned: bool | None = None,
-) -> dict[str, Any]:
-    """The filters that were given, as keyword arguments of `Library.search`."""
-    given = {
+) -> FilterArguments:
+    """The filters as keyword arguments of `Library.search`."""
+    return {
         "min_duration": min_duration,
         "max_duration": max_duration,
         "path": path,
@@ -41,10 +43,9 @@ async def filters(
         "format": format,
         "captioned": captioned,
     }
-    return {name: value for name, value in given.items() if value is not None}
 
 
-FilterParams = Annotated[dict[str, Any], Depends(filters)]
+FilterParams = Annotated[FilterArguments, Depends(filters)]
 
 
 async def span(start: Seconds = None, end: Seconds = None) -> tuple[float | None, float | None]:

@@ -23,6 +23,7 @@ from indexer.vectors.library_indexes import CLIPS, WINDOWS
 from search.hits import Hits
 from search.library import Library
 from search.query.encoding import encode_queries
+from search.query.filters import FilterArguments
 from search.query.question import EncodedQuestion, Question
 from search.server.answer_cache import AnswerCache, StaleCriterion
 from search.server.lru_cache import LruCache
@@ -59,13 +60,12 @@ class SearchRequest:
     question : EncodedQuestion
     k : int
         The number of hits, at most.
-    filters : dict
-        See `search.query.filters.Filters`.
+    filters : FilterArguments
     """
 
     question: EncodedQuestion
     k: int
-    filters: dict[str, Any]
+    filters: FilterArguments
 
 
 class SnapshotLibrary(Library):

@@ -10,6 +10,7 @@ from search.documents import curve_document, description_document, moments_docum
 from search.hits import Hit
 from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
+from search.query.filters import FilterArguments, refuse_filters
 from search.query.question import Question
 from search.ranking.description import describe_motion
 from search.server import response_models
@@ -71,6 +72,8 @@ def routes(state: AppState) -> APIRouter:
     ) -> Response:
         """The spans that match: in one clip, with the similarity over time, or anywhere in the library."""
         question = Question.of(q, then, meanwhile, split_steps=split)
+        if clip is not None:
+            refuse_filters(given)
 
         def in_library() -> bytes:
             hits = library.answer(question, k=offset + k, **given)[offset:]
@@ -119,7 +122,7 @@ def routes(state: AppState) -> APIRouter:
         span: tuple[float | None, float | None],
         moments: bool,
         page: slice,
-        given: dict[str, Any],
+        given: FilterArguments,
     ) -> bytes:
         hits = library.similar(source, page.stop, *span, moments=moments, **given)[page]
         return to_json({"query": source.path, "hits": _documents(hits), "clip": _ref(source, ref)})

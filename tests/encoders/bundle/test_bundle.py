@@ -14,7 +14,7 @@ import pytest
 from encoders.bundle.bundle import Bundle, open_session
 from encoders.bundle.manifest import digest
 from encoders.bundle.windows import window_starts
-from encoders.errors import BundleError
+from encoders.errors import ArgumentError, BundleError
 from encoders.features.registry import FEATURE_KINDS
 from encoders.motion import Motion
 from encoders.protocol import Encoder
@@ -94,7 +94,7 @@ def test_windows_are_slices_encoded_alone(bundle):
 
 @pytest.mark.parametrize(("starts", "length"), [([-1], 10), ([291], 10), ([0], 0)])
 def test_windows_outside_the_features_are_refused(bundle, starts, length):
-    with pytest.raises(ValueError, match="must lie inside"):
+    with pytest.raises(ArgumentError, match="must lie inside"):
         bundle.encode_windows(sequences(300)[0], np.array(starts), length)
 
 
@@ -161,7 +161,7 @@ def test_the_last_few_thousand_sentences_are_encoded_once(bundle, monkeypatch):
 
 @pytest.mark.parametrize("shape", [(0, SIZE), (5, SIZE - 1), (5,), (1, 5, SIZE)])
 def test_features_of_another_shape_are_refused(bundle, shape):
-    with pytest.raises(ValueError, match="must be"):
+    with pytest.raises(ArgumentError, match="must be"):
         bundle.encode_features([np.zeros(shape, np.float32)])
 
 

@@ -97,7 +97,7 @@ def test_clips_are_found_by_path_name_and_number(library, folder, monkeypatch):
 @pytest.mark.parametrize(
     ("ref", "reason"),
     [
-        ("#77", "no clip #77"),
+        ("#77", "no clip of that path or name"),
         ("nothing.bvh", "no clip of that path or name"),
         ("turn", "2 clips are called so"),
         ("", "no clip of that path or name"),

@@ -52,6 +52,13 @@ def test_without_calibration_nothing_is_claimed() -> None:
     assert judge(MeanEncoder(), np.ones(4), [0.5]) == [""]
 
 
+@pytest.mark.parametrize("missing", ["motions", "sentence_coefficients"])
+def test_without_a_part_of_the_calibration_nothing_is_claimed(bundle: MeanEncoder, missing: str) -> None:
+    assert bundle.calibration is not None
+    partial = {name: values for name, values in bundle.calibration.items() if name != missing}
+    assert judge(MeanEncoder(partial), _unit(np.ones(64)), [0.9, 0.1]) == ["", ""]
+
+
 @pytest.mark.parametrize(
     ("sentence", "judged"),
     [
