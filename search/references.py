@@ -26,6 +26,8 @@ Ref: TypeAlias = "str | PathLike[str] | Clip | Hit | Motion | NDArray[Any] | Mot
 
 #: Clips whose names are compared with one that no clip has.
 _NAMES_COMPARED = 5000
+#: Clips that an error suggests, at most.
+_SUGGESTED = 3
 
 
 def source_of(ref: Ref, library: StoredLibrary | None = None, *, fps: float | None = None) -> MotionSource:
@@ -154,7 +156,8 @@ def _suggestion(library: StoredLibrary, ref: str) -> str:
     clips = library.clips_by_id(library.ids()[:_NAMES_COMPARED]).values()
     if ref.isdigit() and int(ref) in (clip.id for clip in clips):
         return f"; did you mean '#{ref}'?"
-    meant = {name: library.reference(clip.root_name, clip.path) for clip in clips for name in (clip.path, clip.name)}
-    near = dict.fromkeys(meant[name] for name in get_close_matches(ref, meant, n=3))
+    near_names = get_close_matches(ref, {name for clip in clips for name in (clip.path, clip.name)}, n=3)
+    near_clips = [clip for name in near_names for clip in clips if name in (clip.path, clip.name)]
+    near = list(dict.fromkeys(library.reference(clip.root_name, clip.path) for clip in near_clips))[:_SUGGESTED]
     missing = "" if ref.startswith("#") else ", and no such file"
     return f"{missing}; did you mean {' or '.join(near)}?" if near else missing

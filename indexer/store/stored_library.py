@@ -245,7 +245,8 @@ class StoredLibrary:
             more = ", ..." if len(found) > 5 else ""
             raise UnknownClip(f"{ref!s}: {len(found)} clips are called so; name one of them: {some}{more}")
         if not found:
-            raise UnknownClip(f"{ref!s}: no clip of that path or name in {self.folder}")
+            kind = "number" if str(ref)[:1] == "#" and str(ref)[1:].isdecimal() else "path or name"
+            raise UnknownClip(f"{ref!s}: no clip of that {kind} in {self.folder}")
         return found[0]
 
     def matches(self, ref: str | PathLike[str]) -> list[Clip]:

@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from os.path import isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -68,6 +69,20 @@ def open_library(folder: str | None) -> Library:
     return Library.open(locate(folder))
 
 
+def names_clip(text: str, folder: str | None) -> bool:
+    """Whether an argument means a motion: a file, what looks like a file or a number, or a clip of the library."""
+    from encoders.errors import LibraryError
+    from indexer.formats.table import READABLE
+
+    if isfile(text) or text.startswith("#") or Path(text).suffix.lower() in READABLE:
+        return True
+    try:
+        with open_library(folder) as library:
+            return bool(library.matches(text))
+    except LibraryError:
+        return False
+
+
 @contextmanager
 def open_source(
     ref: str, folder: str | None, *, fps: float | None = None
@@ -84,7 +99,7 @@ def open_source(
     try:
         library = open_library(folder)
     except LibraryError:
-        if (folder or os.environ.get(VARIABLE)) and not Path(ref).is_file():
+        if (folder or os.environ.get(VARIABLE)) and not isfile(ref):
             raise
         around = None if folder or os.environ.get(VARIABLE) else _library_around(Path(ref))
         if around is None:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.text import Text
 
+    from indexer.store.stored_library import StoredLibrary
     from search.documents import Curve
     from search.hits import Hits
     from search.library import Library
@@ -103,13 +104,15 @@ def _styled(cell: str) -> Text:
     return Text(cell, style=_COLOURS.get(cell, ""))
 
 
-def hits(found: Hits, query: str, *, as_json: bool) -> None:
-    """Print the hits of a query."""
+def hits(found: Hits, query: str, library: StoredLibrary | None = None, *, as_json: bool) -> None:
+    """Print the hits of a query; where their library has several roots, the root's name comes before each path."""
     if as_json:
         document({"query": query, "hits": found.to_dicts()})
         return
+    clips = [h.path if library is None else library.reference(h.root, h.path) for h in found]
     rows = [
-        (str(h.rank), f"{h.score:.3f}", h.strength, f"{h.start:.1f}", f"{h.end:.1f}", h.path, h.caption) for h in found
+        (str(h.rank), f"{h.score:.3f}", h.strength, f"{h.start:.1f}", f"{h.end:.1f}", clip, h.caption)
+        for h, clip in zip(found, clips, strict=True)
     ]
     table(_HIT_COLUMNS, rows, right=("", "score", "start", "end"), below=("clip", "caption"))
     if found.nothing_matches:
@@ -133,7 +136,15 @@ def strip(values: Sequence[float], width: int) -> str:
     return "".join(_BLOCKS[level] for level in levels)
 
 
-def moments(question: Question, found: Hits, curve: Curve | None = None, *, as_json: bool, width: int = 80) -> None:
+def moments(
+    question: Question,
+    found: Hits,
+    library: StoredLibrary | None = None,
+    curve: Curve | None = None,
+    *,
+    as_json: bool,
+    width: int = 80,
+) -> None:
     """Print the moments of a question, with the similarity curve of the clip if they are of one."""
     if as_json:
         from search.documents import moments_document
@@ -145,7 +156,7 @@ def moments(question: Question, found: Hits, curve: Curve | None = None, *, as_j
             print(f"{text}\n{strip(values.tolist(), width - 2)}")
     elif is_terminal() and question.how != "alone":
         print(f" {question.how} ".join(f"'{text}'" for text in question.sentences))
-    hits(found, str(question), as_json=False)
+    hits(found, str(question), library, as_json=False)
     if not found:
         note("nothing found: no clip passes the filters, or the motion is too short for all steps")
     if not is_terminal():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypedDict
 
@@ -59,7 +60,7 @@ class Filters:
     captioned: bool | None = None
 
     @classmethod
-    def of(cls, arguments: FilterArguments) -> Filters:
+    def of(cls, arguments: Mapping[str, Any]) -> Filters:
         """From keyword arguments.
 
         Raises
@@ -99,7 +100,7 @@ class Filters:
         return " AND ".join(conditions), tuple(getattr(self, name) for name in given)
 
 
-def refuse_filters(filters: FilterArguments) -> None:
+def refuse_filters(filters: Mapping[str, Any]) -> None:
     """Check the filters of a question about one motion.
 
     Raises
@@ -108,4 +109,4 @@ def refuse_filters(filters: FilterArguments) -> None:
         If one is given: filters choose clips of a library.
     """
     if given := Filters.of(filters).given:
-        raise ArgumentError(f"{', '.join(given)}: filters choose clips of the library, and one motion is asked about")
+        raise ArgumentError(f"{', '.join(given)}: filters choose clips of the library, and a motion is given")

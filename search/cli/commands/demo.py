@@ -107,7 +107,7 @@ def _locate(library: Library, moment: dict[str, str], picture: Path, say: Any) -
     plot_moments(picture, question, source, found, times, similarity)
     say(f'$ motionseek moments "{question}" {source.path} -k 3 --plot moment.png')
     if say is print:
-        terminal.moments(question, found, (times, similarity), as_json=False)
+        terminal.moments(question, found, library, (times, similarity), as_json=False)
         print()
     say(f"Similarity over time: {picture}\n")
     return {"moment": {"query": str(question), "hits": [h.document() for h in found]}, "moment_picture": str(picture)}

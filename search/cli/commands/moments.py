@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from os.path import isfile
 from pathlib import Path
 from typing import Any
 
@@ -45,21 +46,25 @@ def moments(
     """Find the moments that match SENTENCE.
 
     CLIP is a file, indexed or not, or a clip of the library by path, name or number; without CLIP, the whole library is
-    searched. A sentence in steps ("walks, then sits down, then waves") matches consecutive spans.
+    searched. A sentence in steps ("walks, then sits down, then waves") matches consecutive spans. Where --then or
+    --while state all sentences, one argument is CLIP if it names a file or a clip, else SENTENCE. Filters cannot be
+    combined with CLIP.
 
     \b
     Examples:
       motionseek moments "sits down" long_take.bvh --plot sits.png
       motionseek moments "a person jumps" -k 20
       motionseek moments "walks forward, then sits down, then waves" long_take.bvh
+      motionseek moments "walks" --then "sits down"
       motionseek moments --then "walks" --then "sits down" long_take.bvh
       motionseek moments "walks" --while "raises the right arm" long_take.bvh
     """
     from search.cli import terminal
     from search.drawing.plots import plot_moments, refuse_format
+    from search.query.filters import refuse_filters
     from search.query.question import Question
 
-    sentence, ref = _sentence_and_clip(sentence, ref, bool(steps) or len(meanwhile) > 1)
+    sentence, ref = _sentence_and_clip(sentence, ref, folder, bool(steps) or len(meanwhile) > 1)
     question = Question.of(sentence, steps, meanwhile, split_steps=not no_split)
     if plot is not None:
         if ref is None:
@@ -71,29 +76,37 @@ def moments(
             raise click.UsageError("--fps needs a CLIP")
         with options.open_library(folder) as library:
             found = library.answer(question, None, k, **filters)
-        terminal.moments(question, found, as_json=as_json)
+            terminal.moments(question, found, library, as_json=as_json)
         return
 
     from search.moments.one_motion import moments_of
     from search.moments.queried_motion import QueriedMotion
 
-    with options.open_source(ref, folder, fps=fps) as (bundle, source, _):
+    refuse_filters(filters)
+    with options.open_source(ref, folder, fps=fps) as (bundle, source, in_library):
         motion = QueriedMotion(bundle, source, question.encode(bundle))
         found = moments_of(motion, k)
-        times, similarity = motion.curve()
-    if plot is not None:
-        plot_moments(plot, question, source, found, times, similarity)
-    terminal.moments(question, found, (times, similarity), as_json=as_json, width=shutil.get_terminal_size().columns)
+        curve = motion.curve()
+        if plot is not None:
+            plot_moments(plot, question, source, found, *curve)
+        width = shutil.get_terminal_size().columns
+        terminal.moments(question, found, in_library, curve, as_json=as_json, width=width)
     if plot is not None:
         terminal.note(f"wrote {plot}")
 
 
-def _sentence_and_clip(sentence: str | None, ref: str | None, has_more: bool) -> tuple[str | None, str | None]:
-    """The sentence and the clip, in either order: an existing file is the clip."""
-    if sentence is None or not Path(sentence).is_file():
-        return (None, sentence) if has_more and ref is None else (sentence, ref)
+def _sentence_and_clip(
+    sentence: str | None, ref: str | None, folder: str | None, has_more: bool
+) -> tuple[str | None, str | None]:
+    """The sentence and the clip, in either order: an existing file is the clip.
+
+    Where options state enough sentences (`has_more`), one argument alone may be either.
+    """
+    if sentence is None or not isfile(sentence):
+        is_clip = sentence is not None and has_more and ref is None and options.names_clip(sentence, folder)
+        return (None, sentence) if is_clip else (sentence, ref)
     if ref is None and not has_more:
         raise click.UsageError(f'"{sentence}" is a file; give a sentence to search for, too, such as "a person waves"')
-    if ref is not None and Path(ref).is_file():
+    if ref is not None and isfile(ref):
         raise click.UsageError(f'"{sentence}" and "{ref}" are both files; give one file and a sentence')
     return ref, sentence

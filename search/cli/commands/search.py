@@ -28,6 +28,6 @@ def search(sentence: str, k: int, folder: str | None, as_json: bool, **filters: 
 
     with options.open_library(folder) as library:
         found = library.search(sentence, k, **filters)
-        terminal.hits(found, sentence, as_json=as_json)
+        terminal.hits(found, sentence, library, as_json=as_json)
         if not found:
             terminal.note(terminal.no_clips(library, filters))

@@ -46,6 +46,6 @@ def similar(
     with options.open_library(folder) as library:
         source = find_source(ref, library, fps=fps)
         found = library.similar(source, k, start, end, moments=moments, **filters)
-        terminal.hits(found, ref, as_json=as_json)
+        terminal.hits(found, ref, library, as_json=as_json)
         if not found:
             terminal.note(terminal.no_clips(library, filters))

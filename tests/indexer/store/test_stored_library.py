@@ -97,14 +97,14 @@ def test_clips_are_found_by_path_name_and_number(library, folder, monkeypatch):
 @pytest.mark.parametrize(
     ("ref", "reason"),
     [
-        ("#77", "no clip of that path or name"),
+        ("#77", "no clip of that number"),
         ("nothing.bvh", "no clip of that path or name"),
         ("turn", "2 clips are called so"),
         ("", "no clip of that path or name"),
         ("a\0b", "no clip of that path or name"),
         ("\ud800", "no clip of that path or name"),
-        ("#" + "9" * 40, "no clip of that path or name"),
-        ("#" + "9" * 9000, "no clip of that path or name"),
+        ("#" + "9" * 40, "no clip of that number"),
+        ("#" + "9" * 9000, "no clip of that number"),
         ("#²", "no clip of that path or name"),
         ("x" * 9000, "no clip of that path or name"),
     ],

@@ -66,6 +66,54 @@ def test_moments_of_a_file_that_is_not_indexed(
     assert len(found["curve"]["times"]) == len(found["curve"]["similarity"]["a person walks"])
 
 
+def test_one_argument_beside_steps_is_the_sentence_unless_it_names_a_clip(indexed: Path, run: Run) -> None:
+    library = ["--library", indexed, "--json", "-k", 2]
+    stated = run("moments", "walks, then waves", *library).document
+    assert run("moments", "walks", "--then", "waves", *library).document["hits"] == stated["hits"]
+    both = run("moments", "walks", "--while", "waves", "--while", "turns", *library).document
+    assert both["sentences"] == ["walks", "waves", "turns"]
+    in_clip = run("moments", "take 3", "--then", "walks", "--then", "waves", *library).document
+    assert "curve" in in_clip
+    assert in_clip["sentences"] == ["walks", "waves"]
+    missing = run("moments", "missing.bvh", "--then", "walks", "--then", "waves", *library)
+    assert "missing.bvh" in missing.err
+
+
+def test_filters_beside_a_clip_are_refused(indexed: Path, run: Run) -> None:
+    for option in (["--path", "x*"], ["--min-duration", 3], ["--uncaptioned"]):
+        refused = run("moments", "walks", "take 3", *option, "--library", indexed)
+        assert refused.code == 2
+        assert "filters choose clips" in refused.err
+
+
+def test_clips_of_several_roots_are_named_with_their_root(
+    tmp_path: Path, takes: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for root in ("ra", "rb"):
+        (tmp_path / root / "take").mkdir(parents=True)
+        shutil.copy(takes / "take 1.npy", tmp_path / root / "take" / "x.npy")
+    shutil.copy(takes / "take 3.npy", tmp_path / "rb" / "take" / "x.npy")
+    monkeypatch.chdir(tmp_path)
+    assert run("index", "ra", "rb", "--library", "lib").code == 0
+    library = ["--library", "lib"]
+    for command in (["search", "walks"], ["moments", "walks"]):
+        named = {line.split("\t")[5] for line in run(*command, *library).out.splitlines()}
+        assert named == {"ra/take/x.npy", "rb/take/x.npy"}
+    for name in ("ra/take/x.npy", "rb/take/x.npy"):
+        (found,) = run("similar", name, *library, "--json").document["hits"]
+        assert f"{found['root']}/{found['path']}" != name
+        (moment,) = run("moments", "walks", name, *library, "-k", 1).out.splitlines()
+        assert moment.split("\t")[5] == name
+        assert run("describe", name, *library).code == 0
+    for ambiguous in ("take/x.npy", "x"):
+        error = run("describe", ambiguous, *library).err
+        assert error.count("\n") == 1
+        assert "ra/take/x.npy (#" in error
+        assert "did you mean" not in error
+        assert "no such file" not in error
+    assert "did you mean ra/take/x.npy or rb/take/x.npy" in run("describe", "take/y.npy", *library).err
+
+
 def test_a_file_is_no_sentence_wherever_it_stands(takes: Path, run: Run, tmp_path: Path) -> None:
     file = takes / "take 1.npy"
     swapped = run("moments", file, "a person walks", "--json", "-k", 1)

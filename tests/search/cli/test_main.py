@@ -173,7 +173,7 @@ def test_status_takes_a_folder(indexed: Path, run: Run, tmp_path: Path) -> None:
         ("tak 1", "no such file; did you mean take 1.npy"),
         ("xyz.bvh", "no such file"),
         ("2", "did you mean '#2'?"),
-        ("#77", "no clip #77"),
+        ("#77", "no clip of that number"),
     ],
 )
 def test_what_names_no_clip_says_what_to_do(
