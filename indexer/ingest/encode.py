@@ -25,7 +25,7 @@ Captions = list[tuple[int, str]]
 
 
 def use_model(writer: Writer, encoder: Encoder, *, current: bool = True) -> int:
-    """The id of a model in the library; see `Writer.use_model`. One that is new there encodes a motion as a trial.
+    """The id of a model in the library; see `Writer.use_model`. One that is new there encodes a motion and a sentence as a trial.
 
     Raises
     ------
@@ -37,6 +37,7 @@ def use_model(writer: Writer, encoder: Encoder, *, current: bool = True) -> int:
     writer.check_model(encoder, current=current)
     if not writer.knows(encoder):
         encode(encoder, [_trial()])
+        _encode_texts(encoder, ["a person stands"])
     with writer.batch():
         return writer.use_model(encoder, current=current)
 
@@ -79,8 +80,12 @@ def captions_without_vectors(writer: Writer, model_id: int) -> Iterator[Captions
 
 def insert_caption_vectors(writer: Writer, encoder: Encoder, model_id: int, part: Captions) -> None:
     """Encode captions and store their vectors, inside a batch of the writer; see `encode_captions`."""
-    vectors = _checked(encoder, "captions", encoder.encode_texts([text for _, text in part]), len(part))
+    vectors = _encode_texts(encoder, [text for _, text in part])
     captions.insert_text_vectors(writer.connection, model_id, [text_id for text_id, _ in part], vectors)
+
+
+def _encode_texts(encoder: Encoder, texts: list[str]) -> NDArray[np.float16]:
+    return _checked(encoder, "captions", encoder.encode_texts(texts), len(texts))
 
 
 def _checked(encoder: Encoder, what: str, vectors: Any, count: int) -> NDArray[np.float16]:
