@@ -42,7 +42,7 @@ def checked_count(k: Any, name: str = "k") -> int:
     """A whole number from 1 to `MOST`."""
     count = whole_number(k)
     if count is None or not 1 <= count <= MOST:
-        raise ArgumentError(f"{name}={_shown(k)} must be a whole number from 1 to {MOST}")
+        raise ArgumentError(f"{name}={shown(k)} must be a whole number from 1 to {MOST}")
     return count
 
 
@@ -50,7 +50,7 @@ def checked_number(name: str, value: Any) -> float:
     """A finite number."""
     number = finite_number(value)
     if number is None:
-        raise ArgumentError(f"{name}={_shown(value)} must be a finite number")
+        raise ArgumentError(f"{name}={shown(value)} must be a finite number")
     return number
 
 
@@ -67,14 +67,14 @@ def checked_span(start: Any, end: Any) -> tuple[float | None, float | None]:
 def checked_flag(name: str, value: Any) -> bool:
     """True or False, of Python or numpy."""
     if not isinstance(value, (bool, np.bool_)):
-        raise ArgumentError(f"{name}={_shown(value)} must be True or False")
+        raise ArgumentError(f"{name}={shown(value)} must be True or False")
     return bool(value)
 
 
 def checked_text(name: str, value: Any) -> str:
     """A string of valid Unicode."""
     if not isinstance(value, str) or not is_text(value):
-        raise ArgumentError(f"{name}={_shown(value)} must be a string of valid Unicode")
+        raise ArgumentError(f"{name}={shown(value)} must be a string of valid Unicode")
     return value
 
 
@@ -94,14 +94,14 @@ def checked_path(name: str, value: Any) -> Path:
     except (TypeError, UnicodeEncodeError):
         encoded = b"\0"
     if not encoded or b"\0" in encoded:
-        raise ArgumentError(f"{name}={_shown(value)} must be a path")
+        raise ArgumentError(f"{name}={shown(value)} must be a path")
     return Path(value)
 
 
 def checked_sentences(name: str, sentences: Any) -> list[str]:
     """A list of sentences; one string is not one."""
     if isinstance(sentences, (str, bytes)) or not isinstance(sentences, (Sequence, np.ndarray)):
-        raise ArgumentError(f"{name}={_shown(sentences)} must be a list of sentences, such as ['a person waves']")
+        raise ArgumentError(f"{name}={shown(sentences)} must be a list of sentences, such as ['a person waves']")
     return [checked_text(name, sentence) for sentence in sentences]
 
 
@@ -145,7 +145,8 @@ def _numbers(values: Any) -> NDArray[Any] | None:
     return array if array.dtype.kind in "fiu" else None
 
 
-def _shown(value: Any) -> str:
+def shown(value: Any) -> str:
+    """A value as a message shows it: its start where it is long."""
     try:
         text = repr(value)
     except ValueError:  # an integer of very many digits

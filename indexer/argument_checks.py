@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from numbers import Integral, Real
 from typing import Any
 
-from encoders.arguments import finite_number, whole_number
+from encoders.arguments import finite_number, shown, whole_number
 from encoders.errors import ArgumentError
 from encoders.protocol import Encoder
 from encoders.skeleton import JOINTS
@@ -31,7 +31,7 @@ def checked_rate(fps: Any, name: str = "fps") -> float | None:
         return None
     rate = finite_number(fps)
     if rate is None or not LOWEST_RATE <= rate <= HIGHEST_RATE:
-        raise ArgumentError(f"{name}={fps!r} must be a number of frames a second, {LOWEST_RATE} to {HIGHEST_RATE}")
+        raise ArgumentError(f"{name}={shown(fps)} must be a number of frames a second, {LOWEST_RATE} to {HIGHEST_RATE}")
     return rate
 
 
@@ -47,7 +47,7 @@ def checked_jobs(jobs: Any) -> int | None:
         return None
     count = whole_number(jobs)
     if count is None or not 1 <= count <= MOST_JOBS:
-        raise ArgumentError(f"jobs={jobs!r} must be a whole number of processes, 1 to {MOST_JOBS}")
+        raise ArgumentError(f"jobs={shown(jobs)} must be a whole number of processes, 1 to {MOST_JOBS}")
     return count
 
 
@@ -84,7 +84,9 @@ def checked_encoder(bundle: Any) -> Encoder | None:
     wrong = [name for name, kind in _ENCODER_VALUES.items() if not isinstance(getattr(bundle, name, None), kind)]
     wrong += [name for name in _ENCODER_METHODS if not callable(getattr(bundle, name, None))]
     if wrong or isinstance(bundle, type):
-        raise ArgumentError(f"bundle={bundle!r} must be an Encoder, such as Bundle.load(); missing: {', '.join(wrong)}")
+        raise ArgumentError(
+            f"bundle={shown(bundle)} must be an Encoder, such as Bundle.load(); missing: {', '.join(wrong)}"
+        )
     model: Encoder = bundle
     return model
 
@@ -99,5 +101,5 @@ def checked_clip_id(id: Any) -> int:
     """
     number = whole_number(id)
     if number is None:
-        raise ArgumentError(f"id={id!r} must be the number of a clip")
+        raise ArgumentError(f"id={shown(id)} must be the number of a clip")
     return number

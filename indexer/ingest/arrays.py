@@ -15,7 +15,7 @@ from unicodedata import category
 import numpy as np
 from numpy.typing import ArrayLike
 
-from encoders.arguments import finite_number, is_text
+from encoders.arguments import finite_number, is_text, shown
 from encoders.errors import ArgumentError, UnknownClip, UnreadableMotion
 from encoders.motion import FPS, Motion, joint_array
 from encoders.protocol import Encoder
@@ -33,7 +33,7 @@ from indexer.store.writer import Writer, writing
 _BATCH_FRAMES, _BATCH_CLIPS = 12_000, 64
 _LONGEST_ID = 500
 #: Categories of Unicode: control characters, line and paragraph separators.
-_UNSEEN = ("Cc", "Zl", "Zp")
+_CONTROL = ("Cc", "Zl", "Zp")
 
 _Batch: TypeAlias = list[tuple[ArrayItem, list[CaptionRow], Motion]]
 
@@ -106,7 +106,7 @@ def remove(folder: Path, ids: Iterable[str]) -> None:
     with writing(folder) as writer, writer.batch():
         for id in dict.fromkeys(ids):
             if not writer.remove_array(id):
-                raise UnknownClip(f"{id}: no clip of that id was added to {folder}")
+                raise UnknownClip(f"{id!r}: no clip of that id was added to {folder}")
 
 
 def to_motion(motion: Motion | ArrayLike, fps: float | None = None, *, name: str = "the array") -> Motion:
@@ -161,11 +161,16 @@ def _record(id: Any) -> ArrayItem:
     is_plain = id == PurePosixPath(id).as_posix() and not {".", ".."} & set(parts)
     if not is_plain or id.startswith(("/", "#")) or "\\" in id:
         raise ArgumentError(f"id {id!r} must be a path such as 'walk' or 'session_1/walk', and not begin with #")
-    if any(part != part.strip() for part in parts) or any(category(letter) in _UNSEEN for letter in id):
+    if any(category(letter) in _CONTROL for letter in id) or not all(map(_is_name, parts)):
         raise ArgumentError(f"id {id!r} must have no control characters, and no spaces around a name")
     if len(id) > _LONGEST_ID:
         raise ArgumentError(f"id {id[:40]!r}... must be at most {_LONGEST_ID} characters")
     return ArrayItem(id, 0, 0)
+
+
+def _is_name(part: str) -> bool:
+    """Whether a part of an id can be seen and has no spaces around it."""
+    return part == part.strip() and any(category(letter)[0] not in "CZ" for letter in part)
 
 
 def _check_text(id: Any) -> None:
@@ -194,7 +199,8 @@ def _row(id: str, given: Any) -> Iterator[CaptionRow]:
     is_whole = caption.start is None and caption.end is None
     if not is_whole and (start is None or end is None or not 0 <= start < end):
         raise ArgumentError(
-            f"{id}: a caption's start={caption.start!r} and end={caption.end!r} must be seconds, end after start"
+            f"{id}: a caption's start={shown(caption.start)} and end={shown(caption.end)} must be seconds, "
+            "the end after the start"
         )
     if text:
         yield CaptionRow(id, text, start, end)

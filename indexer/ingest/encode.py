@@ -25,7 +25,9 @@ Captions = list[tuple[int, str]]
 
 
 def use_model(writer: Writer, encoder: Encoder, *, current: bool = True) -> int:
-    """The id of a model in the library; see `Writer.use_model`. One that is new there encodes a motion and a sentence as a trial.
+    """The id of a model in the library; see `Writer.use_model`.
+
+    One that is new there encodes a motion and a sentence as a trial.
 
     Raises
     ------

@@ -7,6 +7,7 @@ import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from os import PathLike, fspath
+from os.path import isfile
 from pathlib import Path, PurePath, PurePosixPath
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.arguments import checked_flag, checked_path, is_text, optional_number
+from encoders.arguments import checked_flag, checked_path, is_text, optional_number, shown
 from encoders.bundle.windows import Windows
 from encoders.errors import (
     ArgumentError,
@@ -193,7 +194,19 @@ class StoredLibrary:
     def ids(self, where: str = "", values: Sequence[Any] = ()) -> NDArray[np.int64]:
         """Sorted ids of the clips that meet an SQL condition on the columns of `clips` and `files`, values bound."""
         condition = f" AND ({where})" if where else ""
-        rows = self.connection.execute(f"SELECT clips.id {LIVE}{condition} ORDER BY clips.id", values)
+        connection = self.connection
+        try:
+            rows = connection.execute(f"SELECT clips.id {LIVE}{condition} ORDER BY clips.id", values).fetchall()
+        except (
+            sqlite3.OperationalError,
+            sqlite3.ProgrammingError,
+            sqlite3.InterfaceError,
+            OverflowError,
+            ValueError,
+        ) as error:
+            raise QueryError(
+                f"where={shown(where)} with values={shown(values)}: no condition on clips ({error})"
+            ) from error
         return np.array([row[0] for row in rows], np.int64)
 
     def clip(self, id: int) -> Clip:
@@ -206,11 +219,13 @@ class StoredLibrary:
         """
         found = self.clips_by_id([checked_clip_id(id)])
         if id not in found:
-            raise UnknownClip(f"{self.folder}: no clip #{id}")
+            raise UnknownClip(f"{self.folder}: no clip #{shown(id)}")
         return found[id]
 
     def clips_by_id(self, ids: Iterable[int]) -> dict[int, Clip]:
         """The clips of these ids that exist, by id."""
+        if not isinstance(ids, Iterable):
+            raise ArgumentError(f"ids={shown(ids)} must be a list of numbers of clips")
         wanted = [i for i in dict.fromkeys(map(checked_clip_id, ids)) if abs(i) <= _LARGEST_ID]
         found: dict[int, Clip] = {}
         for first in range(0, len(wanted), _VARIABLES):
@@ -409,7 +424,7 @@ def _one(connection: sqlite3.Connection, query: str) -> dict[str, Any] | None:
 
 def library_folder(folder: Path) -> Path | None:
     """The library of an indexed folder, else the folder itself if it is a library; None where there is none."""
-    return next((place for place in (folder / FOLDER, folder) if (place / FILE).is_file()), None)
+    return next((place for place in (folder / FOLDER, folder) if isfile(place / FILE)), None)
 
 
 def _create(folder: Path) -> Path:

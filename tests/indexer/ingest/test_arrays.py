@@ -106,7 +106,7 @@ def test_removed_clips_are_found_no_more_and_their_ids_are_free_again(place, bun
 
 def test_clips_are_removed_all_or_not_at_all(place, bundle):
     add(place, [NewClip("a", motion(1)), NewClip("b", motion(2))], bundle)
-    with pytest.raises(UnknownClip, match="nothing: no clip of that id"):
+    with pytest.raises(UnknownClip, match="'nothing': no clip of that id"):
         remove(place, ["a", "nothing", "b"])
     with StoredLibrary.open(place) as library:
         assert len(library) == 2
@@ -157,6 +157,10 @@ def test_batches_are_committed_as_they_fill(place, bundle, monkeypatch):
         (NewClip("a", np.zeros((4, 22, 3))), "a: .* same place"),
         (NewClip("a", "walk.bvh"), "a Motion or an array"),
         (NewClip(" ", motion(1)), "id ' ' must have no"),
+        (NewClip("\ufeff", motion(1)), "must have no control characters"),
+        (NewClip("a/ /b", motion(1)), "must have no control characters"),
+        (NewClip("a", moving(1), fps=10**9000), "fps=int of very many digits"),
+        (NewClip("a", motion(1), captions=Caption("walks", 0, 10**9000)), "end=int of very many digits"),
         (NewClip(" a", motion(1)), "id ' a' must have no"),
         (NewClip("a/b ", motion(1)), "id 'a/b ' must have no"),
         (NewClip("a\nb", motion(1)), r"id 'a\\nb' must have no control"),

@@ -389,10 +389,11 @@ def test_a_file_is_no_root(root, bundle):
 
 
 def test_a_model_of_other_than_unit_vectors_is_refused_and_nothing_is_indexed(root):
-    bad = SmallBundle()
-    bad.encode_features = lambda features: np.zeros((len(features), 16), np.float32)
-    with pytest.raises(BundleError, match="small: vectors of motions must be finite and of length 1"):
-        index(root, bundle=bad)
+    for method, what in (("encode_features", "motions"), ("encode_texts", "captions")):
+        bad = SmallBundle()
+        setattr(bad, method, lambda values: np.zeros((len(values), 16), np.float32))
+        with pytest.raises(BundleError, match=f"small: vectors of {what} must be finite and of length 1"):
+            index(root, bundle=bad)
     assert index(root, bundle=SmallBundle("another")).indexed == 3
 
 

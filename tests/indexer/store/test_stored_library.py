@@ -129,6 +129,25 @@ def test_a_number_that_no_clip_has_is_an_error_of_every_method(library, method):
         with pytest.raises(ArgumentError, match="id="):
             getattr(library, method)(number)
     assert library.clips_by_id([2**70]) == {}
+    with pytest.raises(UnknownClip, match="very many digits"):
+        library.clip(10**9000)
+    with pytest.raises(ArgumentError, match="ids=5"):
+        library.clips_by_id(5)
+
+
+@pytest.mark.parametrize(
+    ("where", "values"), [("nonsense (", []), ("clips.id = ?", [object()]), ("clips.id = ?", [2**70])]
+)
+def test_what_is_no_condition_is_an_error(library, where, values):
+    with pytest.raises(QueryError, match="where="):
+        library.ids(where, values)
+
+
+def test_a_folder_of_too_long_a_name_is_no_library(tmp_path):
+    with pytest.raises(LibraryNotFound):
+        StoredLibrary.open(tmp_path / ("x" * 5000))
+    with pytest.raises(LibraryError, match="cannot be written"):
+        StoredLibrary.open(tmp_path / ("x" * 5000), create=True)
 
 
 @pytest.mark.parametrize(
