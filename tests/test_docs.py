@@ -74,6 +74,13 @@ def words_of_modules() -> dict[str, set[str]]:
     return dict(words)
 
 
+def test_the_design_lists_every_room() -> None:
+    text = (ROOT / "docs" / "design.md").read_text(encoding="utf-8")
+    paths = [path for package in ("encoders", "indexer", "search") for path in (ROOT / package).glob("[!_]*")]
+    rooms = [path for path in paths if path.suffix == ".py" or (path / "__init__.py").exists()]
+    assert [room for room in (str(path.relative_to(ROOT)) for path in rooms) if f"`{room}`" not in text] == []
+
+
 @cache
 def python_files() -> list[Path]:
     return [path for room in ("encoders", "indexer", "search", "benchmarks") for path in (ROOT / room).rglob("*.py")]
