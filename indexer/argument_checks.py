@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from numbers import Integral, Real
 from typing import Any
 
-from encoders.arguments import finite_number, shown, whole_number
+from encoders.arguments import finite_number, is_text, shown, whole_number
 from encoders.errors import ArgumentError
 from encoders.protocol import Encoder
 from encoders.skeleton import JOINTS
@@ -14,8 +13,9 @@ from encoders.skeleton import JOINTS
 #: Frame rates that can be given, in frames a second, and numbers of reading processes.
 LOWEST_RATE, HIGHEST_RATE = 1, 10_000
 MOST_JOBS = 256
-#: What indexing needs of an `Encoder`: values by their type, and methods.
-_ENCODER_VALUES = {"name": str, "fingerprint": str, "fps": Real, "max_frames": Integral, "latent_size": Integral}
+#: What indexing needs of an `Encoder`: strings, positive numbers and methods.
+_ENCODER_STRINGS = ("name", "fingerprint")
+_ENCODER_NUMBERS = {"fps": finite_number, "max_frames": whole_number, "latent_size": whole_number}
 _ENCODER_METHODS = ("features", "encode_features", "encode_texts")
 
 
@@ -81,11 +81,13 @@ def checked_encoder(bundle: Any) -> Encoder | None:
     """
     if bundle is None:
         return None
-    wrong = [name for name, kind in _ENCODER_VALUES.items() if not isinstance(getattr(bundle, name, None), kind)]
+    strings = {name: getattr(bundle, name, None) for name in _ENCODER_STRINGS}
+    wrong = [name for name, text in strings.items() if not isinstance(text, str) or not is_text(text) or not text]
+    wrong += [name for name, number in _ENCODER_NUMBERS.items() if not (number(getattr(bundle, name, None)) or 0) > 0]
     wrong += [name for name in _ENCODER_METHODS if not callable(getattr(bundle, name, None))]
     if wrong or isinstance(bundle, type):
         raise ArgumentError(
-            f"bundle={shown(bundle)} must be an Encoder, such as Bundle.load(); missing: {', '.join(wrong)}"
+            f"bundle={shown(bundle)} must be an Encoder, such as Bundle.load(); missing or wrong: {', '.join(wrong)}"
         )
     model: Encoder = bundle
     return model

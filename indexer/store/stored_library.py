@@ -47,6 +47,10 @@ FILE = "library.sqlite"
 
 #: Values bound in one statement, and clips read by one.
 _VARIABLES, _CHUNK = 500, 1000
+#: Errors of a statement that is wrong, or of values that cannot be bound.
+_WRONG_STATEMENT = (
+    sqlite3.OperationalError, sqlite3.ProgrammingError, sqlite3.InterfaceError, OverflowError, ValueError
+)  # fmt: skip
 #: The largest integer of SQLite.
 _LARGEST_ID = 2**63 - 1
 #: Held while a library is made, so that no other thread opens it half made.
@@ -192,18 +196,18 @@ class StoredLibrary:
         return int(self.connection.execute(f"SELECT count(*) {LIVE}").fetchone()[0])
 
     def ids(self, where: str = "", values: Sequence[Any] = ()) -> NDArray[np.int64]:
-        """Sorted ids of the clips that meet an SQL condition on the columns of `clips` and `files`, values bound."""
+        """Sorted ids of the clips that meet an SQL condition on the columns of `clips` and `files`, values bound.
+
+        Raises
+        ------
+        QueryError
+            If it is no condition.
+        """
         condition = f" AND ({where})" if where else ""
         connection = self.connection
         try:
             rows = connection.execute(f"SELECT clips.id {LIVE}{condition} ORDER BY clips.id", values).fetchall()
-        except (
-            sqlite3.OperationalError,
-            sqlite3.ProgrammingError,
-            sqlite3.InterfaceError,
-            OverflowError,
-            ValueError,
-        ) as error:
+        except _WRONG_STATEMENT as error:
             raise QueryError(
                 f"where={shown(where)} with values={shown(values)}: no condition on clips ({error})"
             ) from error

@@ -86,7 +86,7 @@ class Phrase:
 
 
 @dataclass(frozen=True)
-class Case:
+class ConditionalPhrases:
     """Phrases for steps whose fields have the values of `when`."""
 
     when: tuple[tuple[str, tuple[str, ...]], ...]
@@ -104,7 +104,7 @@ class Entry:
     limb: str
     never_mentioned: frozenset[str]
     modifiers: Mapping[str, Any]
-    cases: tuple[Case, ...]
+    cases: tuple[ConditionalPhrases, ...]
 
     def phrases(self, kind: str) -> list[Phrase]:
         """Every phrase of a kind ("verbs", "nouns", "parts", "as_if"), whatever the step."""
@@ -123,13 +123,13 @@ def _mentioned_by_slots(text: str) -> set[str]:
     return mentioned
 
 
-def _case(when: Mapping[str, Any], body: Mapping[str, Any]) -> Case:
+def _case(when: Mapping[str, Any], body: Mapping[str, Any]) -> ConditionalPhrases:
     values = {name: tuple(v) if isinstance(v, list) else (str(v),) for name, v in when.items()}
     unknown = set(values) - set(FIELDS)
     if unknown:
         raise ValueError(f"phrases: no field {sorted(unknown)} in a step")
     mentioned = {name for name, v in values.items() if len(v) == 1 and v[0]} | set(body.get("mentions", ()))
-    return Case(
+    return ConditionalPhrases(
         when=tuple(values.items()),
         phrases={
             kind: tuple(Phrase(text, frozenset(mentioned | _mentioned_by_slots(text))) for text in body.get(kind, ()))

@@ -169,6 +169,18 @@ def test_arguments_of_open_are_refused_by_name(tmp_path, name, value):
     assert not (tmp_path / "new").exists()
 
 
+@pytest.mark.parametrize(
+    ("member", "value"),
+    [("name", 3), ("name", ""), ("fingerprint", None), ("fingerprint", "\ud800"), ("fps", 0), ("fps", "20"),
+     ("fps", float("nan")), ("max_frames", 1.5), ("latent_size", True), ("latent_size", 0), ("encode_texts", 5)],
+)  # fmt: skip
+def test_a_model_without_what_it_must_have_is_refused(tmp_path, member, value):
+    wrong = SmallBundle()
+    setattr(wrong, member, value)
+    with pytest.raises(ArgumentError, match=f"bundle=.*missing or wrong: {member}"):
+        StoredLibrary.open(tmp_path, bundle=wrong, create=True)
+
+
 def test_threads_may_make_one_library(tmp_path):
     errors = []
 
