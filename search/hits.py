@@ -120,7 +120,7 @@ class Hits(list[Hit]):
         return [hit.document() for hit in self]
 
     def to_pandas(self) -> Any:
-        """A pandas.DataFrame with one row for each hit and the keys of `Hit.document` as columns.
+        """A pandas.DataFrame with one row for each hit and the keys of `Hit.document` as columns, also without hits.
 
         Raises
         ------
@@ -132,7 +132,8 @@ class Hits(list[Hit]):
         except ImportError:
             raise MissingProgram("to_pandas needs pandas; run: pip install pandas") from None
 
-        return pandas.DataFrame(self.to_dicts())
+        columns = None if self else list(Hit(1, "", 0.0, "", 0.0, 0.0, 0.0).document())
+        return pandas.DataFrame(self.to_dicts(), columns=columns)
 
     def _repr_html_(self) -> str | None:
         """The hits, moving, in a notebook; None where no motion can be read."""

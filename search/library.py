@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from encoders.arguments import checked_count, checked_flag, checked_number, checked_span, unit_vector
-from encoders.errors import ArgumentError, QueryError
+from encoders.errors import ArgumentError
 from encoders.motion import FPS, Motion
 from indexer.argument_checks import checked_rate
 from indexer.ingest import arrays
@@ -40,8 +40,6 @@ if TYPE_CHECKING:
 
 Ids = NDArray[np.int64]
 
-#: The shortest cut that can be compared, in seconds.
-_SHORTEST_CUT = 0.5
 #: Clips read at once.
 _CHUNK = 1000
 
@@ -59,7 +57,9 @@ class Library(StoredLibrary):
 
     All errors are below `MotionSeekError`. Every method raises `ArgumentError`, which names the argument, for a value
     of a wrong type or out of range; `UnknownClip` or `UnreadableMotion` where a reference means no clip or no readable
-    file; and `BundleMismatch` where the library holds the vectors of another model.
+    file; `QueryError` where a sentence is empty or a span is empty, outside the motion or too short to compare; and
+    `BundleMismatch` where the library holds the vectors of another model. What changes the library raises
+    `LibraryLocked` while another process does.
     """
 
     def clips(self, **filters: Unpack[FilterArguments]) -> Iterator[Clip]:
@@ -79,7 +79,7 @@ class Library(StoredLibrary):
         *,
         fps: float | None = None,
     ) -> int:
-        """Add a motion as a clip, without any file; a clip of the same id is replaced.
+        """Add a motion as a clip, without any file; a clip of the same id is replaced. The clip's number.
 
         Parameters
         ----------
@@ -91,29 +91,18 @@ class Library(StoredLibrary):
         fps : float, optional
             Frames a second of an array; 20 if not given.
 
-        Returns
-        -------
-        int
-            The clip's number.
-
-        Raises
-        ------
-        LibraryLocked
-            If another process is writing the library.
         """
         return self.add_many([NewClip(id, motion, captions, fps)])[0]
 
     def add_many(self, clips: Iterable[NewClip]) -> list[int]:
         """Add clips as `add` does, encoded in batches; their numbers, in order.
 
-        Where one is refused, the batches before it stay.
+        Where one is refused, the batches before it stay. Threads of one process wait for each other.
 
         Raises
         ------
         BundleError
             If the model's vectors are not unit vectors of its size.
-        LibraryLocked
-            If another process is writing the library; threads of one process wait for each other.
         """
         return arrays.add(self._writable(), clips, self.bundle)
 
@@ -124,8 +113,6 @@ class Library(StoredLibrary):
         ------
         UnknownClip
             If an id names no such clip.
-        LibraryLocked
-            If another process is writing the library.
         """
         arrays.remove(self._writable(), ids)
 
@@ -136,11 +123,6 @@ class Library(StoredLibrary):
         ----------
         query : str or array (D,) or (1, D)
             A sentence, or a vector of the model's space, of any length, such as one of `Encoder.encode_texts`.
-
-        Raises
-        ------
-        QueryError
-            If the sentence is empty.
         """
         question = self.encode(Question.of(query, split_steps=False)) if isinstance(query, str) else self._vector(query)
         return self.search_encoded(question, k, **filters)
@@ -168,18 +150,13 @@ class Library(StoredLibrary):
         text : str or None
             A sentence; None where `then` or `meanwhile` say all.
         ref : optional
-            The motion to search in; the whole library if not given. Filters are for the whole library only.
+            The motion to search in; without one, the whole library, where filters may be given.
         then : sequence of str
             Steps that follow, where the sentence does not state them itself ("walks, then sits down").
         meanwhile : sequence of str
             What happens at the same time.
         split_steps : bool
             Whether a sentence that states steps is split into them.
-
-        Raises
-        ------
-        QueryError
-            If the sentence is empty.
         """
         return self.answer(Question.of(text, then, meanwhile, split_steps=split_steps), ref, k, fps=fps, **filters)
 
@@ -193,11 +170,11 @@ class Library(StoredLibrary):
         **filters: Unpack[FilterArguments],
     ) -> Hits:
         """The moments that answer a question, in one motion or anywhere in the library; see `moments`."""
-        k = checked_count(k)
         if ref is None:
-            return self._moment_hits(self.encode(question), k, self.allowed(**filters))
+            return self._moment_hits(self.encode(question), checked_count(k), self.allowed(**filters))
         refuse_filters(filters)
-        return moments_of(QueriedMotion(self.bundle, self.source(ref, fps=fps), self.encode(question)), k)
+        k, source = checked_count(k), self.source(ref, fps=fps)
+        return moments_of(QueriedMotion(self.bundle, source, self.encode(question)), k)
 
     def encode(self, question: Question) -> EncodedQuestion:
         """The question with its query vectors."""
@@ -218,11 +195,6 @@ class Library(StoredLibrary):
         -------
         list of (sentence, score)
             Best first, no sentence twice. The score is a cosine less what is taken from sentences near every motion.
-
-        Raises
-        ------
-        QueryError
-            If the span is empty or lies outside the motion.
         """
         captions, _, vectors = self.caption_vectors()
         return describe_motion(self.bundle, self._cut(ref, start, end, fps), checked_count(k), captions, vectors)
@@ -262,11 +234,6 @@ class Library(StoredLibrary):
         """Write a motion, or a span of it, to a .bvh, .npz or .npy file; its path.
 
         A .bvh of a .bvh file keeps its rig, its frame rate and its numbers; any other has the 22 joints.
-
-        Raises
-        ------
-        QueryError
-            If the span is empty or lies outside the motion, the ending is another, or the file exists.
         """
         place = writable(out, overwrite)
         write_cut(self.source(ref, fps=fps), place, *checked_span(*span_of(ref, start, end)))
@@ -294,8 +261,6 @@ class Library(StoredLibrary):
 
         Raises
         ------
-        QueryError
-            If the span is empty or lies outside the motion, the ending is another, or the file exists.
         MissingProgram
             If there is no ffmpeg for an .mp4.
         """
@@ -321,24 +286,13 @@ class Library(StoredLibrary):
         ----------
         ref
             A reference, or a vector (D,) or (1, D) of the model's space, such as one of `Encoder.encode_motions`.
-
-        Raises
-        ------
-        QueryError
-            If the span lies outside the motion or is too short to compare.
         """
         k, moments, allowed = checked_count(k), checked_flag("moments", moments), self.allowed(**filters)
         if isinstance(ref, list) or is_vector(ref):
             question = self._vector(ref, kind="motion")
             return self._moment_hits(question, k, allowed) if moments else self._clip_hits(question, k, allowed)
         source, (start, end) = self.source(ref, fps=fps), checked_span(*span_of(ref, start, end))
-        motion = source.cut(start, end)
-        is_cut = start is not None or end is not None
-        if is_cut and motion.duration < _SHORTEST_CUT:
-            raise QueryError(
-                f"{source.path}: a cut of {motion.duration:.2f} s shows too little movement to compare; "
-                f"take at least {_SHORTEST_CUT:g} s"
-            )
+        motion, is_cut = source.comparable_cut(start, end), (start, end) != (None, None)
         question = EncodedQuestion(self.bundle.encode_motions([motion]), kind="motion")
         if source.clip_id >= 0:
             allowed = np.setdiff1d(self.ids() if allowed is None else allowed, [source.clip_id])
@@ -379,7 +333,6 @@ class Library(StoredLibrary):
         return as_hits(self.bundle, question, [Answer(source, s.moment(source.duration)) for source, s in named])
 
     def _moment_hits(self, question: EncodedQuestion, k: int, allowed: Ids | None) -> Hits:
-        """The best spans over all clips."""
         if question.how == "alone":
             located = best_moments(self.bundle, self, self._source_of, question, k, allowed=allowed)
             sources = self._sources([clip_id for clip_id, _ in located])

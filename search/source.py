@@ -22,6 +22,9 @@ from indexer.store.stored_library import StoredLibrary
 from search.hits import Hit, Step
 from search.spans import Moment
 
+#: The shortest cut that can be compared, in seconds.
+_SHORTEST_CUT = 0.5
+
 
 @dataclass(frozen=True)
 class MotionSource:
@@ -127,6 +130,22 @@ class MotionSource:
             return self.read(start or 0.0, end)
         except ValueError as error:
             raise QueryError(f"{self.path}: {error}; give a start and end inside it, in seconds") from None
+
+    def comparable_cut(self, start: float | None = None, end: float | None = None) -> Motion:
+        """As `cut`, of a span long enough to be compared with other motions.
+
+        Raises
+        ------
+        QueryError
+            If the span is empty, lies outside or is too short.
+        """
+        motion = self.cut(start, end)
+        if (start, end) != (None, None) and motion.duration < _SHORTEST_CUT:
+            raise QueryError(
+                f"{self.path}: a cut of {motion.duration:.2f} s shows too little movement to compare; "
+                f"take at least {_SHORTEST_CUT:g} s"
+            )
+        return motion
 
     def caption(self, start: float, end: float) -> str:
         """The caption of a span: the timed one that overlaps it longest, else one of the whole clip, else ""."""

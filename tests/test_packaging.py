@@ -44,10 +44,10 @@ def run_python(code: str, *arguments: str, first: Path, cwd: Path) -> subprocess
 
 
 def hide(name: str, kind: str, folder: Path) -> Path:
-    """Write a foreign package or module of this name; return its file."""
+    """Write another package or module of this name; return its file."""
     path = folder / name / "__init__.py" if kind == "package" else folder / f"{name}.py"
     path.parent.mkdir(exist_ok=True)
-    path.write_text("raise RuntimeError('foreign code was run')\n")
+    path.write_text("raise RuntimeError('other code was run')\n")
     return path
 
 

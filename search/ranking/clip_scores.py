@@ -82,7 +82,7 @@ def rank_clips(
 ) -> Iterator[ClipScore]:
     """The score of every clip for a unit vector (D,), best first, as far as it is consumed.
 
-    A clip comes once nothing that has not been fetched could come before it or score more in it (the threshold
+    A clip comes once its score is above the upper bound of all that has not been fetched (the threshold
     algorithm of Fagin, Lotem and Naor, 2001): the order does not depend on how many are consumed.
 
     Parameters
@@ -97,26 +97,26 @@ def rank_clips(
     given: set[int] = set()
     count, margin = _FIRST_ROWS, WINDOW_MARGIN if windows else 0.0
     while True:
-        wholes, unseen = _wholes(library, query, count, allowed)
-        best, unseen = dict(wholes), unseen + margin
+        clips, upper_bound = _best_whole_clips(library, query, count, allowed)
+        best, upper_bound = dict(clips), upper_bound + margin
         if windows:
-            spans, unseen_window = _best_windows(library, query, min(count, _MOST_WINDOWS), allowed)
-            unseen = max(unseen, unseen_window)
+            spans, window_bound = _best_windows(library, query, min(count, _MOST_WINDOWS), allowed)
+            upper_bound = max(upper_bound, window_bound)
             for span in spans:
-                if span.clip_id not in wholes or span.score > wholes[span.clip_id].score + margin:
+                if span.clip_id not in clips or span.score > clips[span.clip_id].score + margin:
                     best[span.clip_id] = span
-        sure = [e for e in best.values() if e.score > unseen and e.clip_id not in given]
+        sure = [e for e in best.values() if e.score > upper_bound and e.clip_id not in given]
         yield from sorted(sure, key=lambda e: (-e.score, e.clip_id))
-        if unseen == -np.inf:
+        if upper_bound == -np.inf:
             return
         given.update(e.clip_id for e in sure)
         count *= 4
 
 
-def _wholes(
+def _best_whole_clips(
     library: ClipGallery, query: Vectors, count: int, allowed: NDArray[np.int64] | None
 ) -> tuple[dict[int, ClipScore], float]:
-    """The clips nearest as wholes, and what no other one scores more than."""
+    """The clips with the nearest whole-clip vectors, and an upper bound of the scores of all others."""
     scores, ids = (a[0] for a in library.nearest_clips(query[None], count, allowed=allowed))
     named = zip(ids.tolist(), scores.tolist(), strict=True)
     return {i: ClipScore(i, score) for i, score in named if i >= 0}, float(scores[-1])
@@ -125,7 +125,7 @@ def _wholes(
 def _best_windows(
     library: ClipGallery, query: Vectors, count: int, allowed: NDArray[np.int64] | None
 ) -> tuple[list[ClipScore], float]:
-    """The best window of each clip among the nearest ones, and what no other window scores more than.
+    """The best window of each clip among the nearest ones, and an upper bound of the scores of other windows.
 
     Where the most are fetched that ever are, the others do not count.
     """
@@ -213,7 +213,7 @@ def _windows_of(library: ClipGallery, query: Vectors, k: int, allowed: NDArray[n
     """The best window of each of at least k clips, fewer only where there are no more."""
     count = _PER_CLIP * k
     while True:
-        best, unseen = _best_windows(library, query, count, allowed)
-        if len(best) >= k or unseen == -np.inf:
+        best, upper_bound = _best_windows(library, query, count, allowed)
+        if len(best) >= k or upper_bound == -np.inf:
             return best
         count *= 4

@@ -12,7 +12,7 @@ from encoders.protocol import Encoder
 from search.query.vocabulary import vocabulary
 from search.ranking.hubness import hubness_penalty
 
-#: So many sentences nearest to a motion are reranked with the hubness penalty.
+#: Number of sentences nearest to a motion that are reranked with the hubness penalty.
 _RERANKED = 1000
 
 

@@ -6,11 +6,12 @@ from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from importlib.metadata import version
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from search.server import exception_handlers
 from search.server.app_state import AppState
+from search.server.parameters import known_parameters
 from search.server.prometheus import MetricsMiddleware
 from search.server.routes import health, library, motions, search
 from search.server.security import SecurityMiddleware
@@ -57,8 +58,9 @@ def create_app(
         lifespan=lifespan,
     )
     exception_handlers.install(app)
-    for module in (search, motions, library, health):
-        app.include_router(module.routes(state))
+    for module in (search, motions, library):
+        app.include_router(module.routes(state), dependencies=[Depends(known_parameters)])
+    app.include_router(health.routes(state))
     app.mount("/", StaticPage())
     # Wrapped around the app, not added to its middleware: responses to unexpected exceptions pass these, too.
     guarded = SecurityMiddleware(app, host=host, names=names, token=token)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
@@ -76,7 +76,7 @@ def install(app: FastAPI) -> None:
 
     @app.exception_handler(RequestValidationError)
     async def invalid_parameter(_: Request, error: RequestValidationError) -> JSONResponse:
-        return error_response(422, "; ".join(f"{_parameter(entry['loc'])}: {entry['msg']}" for entry in error.errors()))
+        return error_response(422, "; ".join(f"{_parameter(entry['loc'])}: {_said(entry)}" for entry in error.errors()))
 
     @app.exception_handler(HTTPException)
     async def http_error(_: Request, error: HTTPException) -> JSONResponse:
@@ -114,6 +114,30 @@ def install(app: FastAPI) -> None:
     @app.exception_handler(Exception)
     async def unexpected(_: Request, error: Exception) -> JSONResponse:
         return error_response(500, "internal error, see the server's log")
+
+
+#: Pydantic's type of an error -> what the parameter must be; braces are filled in from the error's context.
+_SAID = {
+    "missing": "is missing",
+    "string_pattern_mismatch": "must be a clip's number, such as 12 or #12, or the key of an upload",
+    "int_parsing": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "float_parsing": "must be a number",
+    "finite_number": "must be a finite number",
+    "bool_parsing": "must be true or false",
+    "greater_than_equal": "must be {ge} or more",
+    "less_than_equal": "must be {le} or less",
+    "string_too_short": "must not be empty",
+    "string_too_long": "must have at most {max_length} characters",
+    "too_long": "can be given at most {max_length} times",
+    "literal_error": "must be {expected}",
+}
+
+
+def _said(error: Mapping[str, Any]) -> str:
+    """What is wrong with a parameter and what it must be."""
+    known = _SAID.get(error["type"])
+    return str(error["msg"]) if known is None else known.format(**error.get("ctx", {}))
 
 
 def _parameter(location: Sequence[str | int]) -> str:

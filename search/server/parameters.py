@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import Depends, Path, Query
+from fastapi import Depends, Path, Query, Request
+from fastapi.dependencies.models import Dependant
 from starlette.exceptions import HTTPException
 
 from search.query.filters import FilterArguments
@@ -24,6 +25,27 @@ ShortOffsetParam = Annotated[int, Query(ge=0, le=200, description="The number of
 _SECONDS = Query(ge=0, le=1e6, allow_inf_nan=False)
 Seconds = Annotated[float | None, _SECONDS]
 FileName = Annotated[str, Query(min_length=1, max_length=255, description="The file's name; its ending is used.")]
+
+
+async def known_parameters(request: Request) -> None:
+    """Refuse query parameters that a route does not have; a token may be there, read or not.
+
+    Raises
+    ------
+    HTTPException
+        422, with their names.
+    """
+    known = _query_names(request.scope["route"].dependant)
+    unknown = sorted(set(request.query_params) - known - {"token"})
+    if unknown:
+        offered = f"there are {', '.join(sorted(known))}" if known else "this route has none"
+        raise HTTPException(422, f"no parameter {', '.join(unknown)}; {offered}")
+
+
+def _query_names(dependant: Dependant) -> set[str]:
+    """The query parameters of a route and of what it depends on."""
+    own = {field.alias for field in dependant.query_params}
+    return own.union(*map(_query_names, dependant.dependencies))
 
 
 async def filters(

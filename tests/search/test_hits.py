@@ -104,6 +104,8 @@ def test_hits_become_dicts_and_a_table(library: Library) -> None:
     table = found.to_pandas()
     assert isinstance(table, pandas.DataFrame)
     assert table["path"].tolist() == [hit.path for hit in found]
+    empty = Hits([]).to_pandas()
+    assert (len(empty), list(empty.columns)) == (0, list(table.columns))
 
 
 def test_nothing_matches_where_all_hits_are_weak() -> None:

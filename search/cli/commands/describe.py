@@ -18,7 +18,7 @@ from search.cli import options
     type=click.IntRange(1, 1000),
     default=5,
     show_default=True,
-    help="Number of sentences, at most.",
+    help="Maximum number of sentences.",
 )
 @options.fps
 @options.library

@@ -48,7 +48,7 @@ def shown(chromium: Any, tmp_path: Path) -> Iterator[Shown]:
 
 
 def _moves(page: Any, place: int = 0, *, within: int = 10_000) -> bool:
-    """Whether a canvas changes within so many milliseconds; a busy machine draws its first frame late."""
+    """Whether a canvas changes within a number of milliseconds; a busy machine draws its first frame late."""
     canvas = page.locator("canvas").nth(place)
     before = canvas.evaluate(_SUM)
     for _ in range(within // 200):

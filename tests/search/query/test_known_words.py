@@ -1,4 +1,4 @@
-"""The lexicon: words in any form are known again, and what is in other words is foreign."""
+"""The lexicon: words are known in any form, and others are out of vocabulary."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ KNOWN = lexicon(
         ("", 1),
     ],
 )
-def test_the_share_of_foreign_words(sentence: str, share: float) -> None:
+def test_the_out_of_vocabulary_share(sentence: str, share: float) -> None:
     assert out_of_vocabulary_share(sentence, KNOWN) == share
 
 
@@ -37,5 +37,5 @@ def test_words_are_sorted_and_distinct() -> None:
     assert lexicon(["waves, walks", "walks and x"]).tolist() == ["and", "walks", "waves"]
 
 
-def test_without_words_everything_is_foreign() -> None:
+def test_without_words_everything_is_out_of_vocabulary() -> None:
     assert out_of_vocabulary_share("walks", lexicon([])) == 1

@@ -27,16 +27,16 @@ def _unit(cosine: float) -> list[float]:
 class Gallery:
     """A library of clips given as {id: whole} and windows as (clip, start, end, cosine)."""
 
-    def __init__(self, wholes: dict[int, float], windows: list[tuple[int, float, float, float]]) -> None:
-        self.wholes, self.rows = wholes, windows
+    def __init__(self, clip_scores: dict[int, float], windows: list[tuple[int, float, float, float]]) -> None:
+        self.clip_scores, self.rows = clip_scores, windows
         self.most_asked = 0
 
     def __len__(self) -> int:
-        return len(self.wholes)
+        return len(self.clip_scores)
 
     def nearest_clips(self, queries: np.ndarray, k: int, *, allowed: Any = None) -> Any:
-        ids = [i for i in self.wholes if allowed is None or i in allowed]
-        return self._best(queries, k, [(i, self.wholes[i]) for i in ids])
+        ids = [i for i in self.clip_scores if allowed is None or i in allowed]
+        return self._best(queries, k, [(i, self.clip_scores[i]) for i in ids])
 
     def nearest_windows(self, queries: np.ndarray, k: int, *, allowed: Any = None) -> Any:
         self.most_asked = max(self.most_asked, k)
@@ -82,21 +82,21 @@ def test_one_clip_with_many_windows_does_not_keep_others_out() -> None:
 
 
 def _galleries() -> Iterator[Gallery]:
-    """Galleries in which windows and wholes disagree, and one clip's windows fill the first fetch."""
+    """Galleries in which windows and whole clips disagree, and one clip's windows fill the first fetch."""
     for seed in range(40):
         rng = np.random.default_rng(seed)
         count, spread = 30 + 20 * seed, (0.01, 0.1, 0.5)[seed % 3]
-        wholes = {i: float(0.4 + spread * rng.uniform()) for i in range(count)}
+        clip_scores = {i: float(0.4 + spread * rng.uniform()) for i in range(count)}
         crowd = [(0, i * 0.1, i * 0.1 + 2, 0.41 + spread) for i in range(60 * (seed % 4))]
         heights = 0.4 + spread * rng.uniform(size=4 * count)
-        yield Gallery(wholes, crowd + [(i % count, i, i + 2, float(score)) for i, score in enumerate(heights)])
+        yield Gallery(clip_scores, crowd + [(i % count, i, i + 2, float(score)) for i, score in enumerate(heights)])
 
 
 @pytest.mark.parametrize("windows", [True, False])
 def test_the_first_clips_do_not_depend_on_how_many_are_asked_for(windows: bool) -> None:
     for gallery in _galleries():
         many = _ask(gallery, len(gallery), windows=windows)
-        assert sorted(e.clip_id for e in many) == sorted(gallery.wholes)
+        assert sorted(e.clip_id for e in many) == sorted(gallery.clip_scores)
         assert many == sorted(many, key=lambda e: (-e.score, e.clip_id))
         for k in (1, 3, 10, 25):
             assert _ask(gallery, k, windows=windows) == many[:k]
@@ -104,9 +104,9 @@ def test_the_first_clips_do_not_depend_on_how_many_are_asked_for(windows: bool) 
 
 def test_a_clip_counts_as_its_whole_unless_a_window_is_clearly_better() -> None:
     for gallery in _galleries():
-        windows = {clip: max(r[3] for r in gallery.rows if r[0] == clip) for clip in gallery.wholes}
+        windows = {clip: max(r[3] for r in gallery.rows if r[0] == clip) for clip in gallery.clip_scores}
         for e in _ask(gallery, 10):
-            whole, window = gallery.wholes[e.clip_id], windows[e.clip_id]
+            whole, window = gallery.clip_scores[e.clip_id], windows[e.clip_id]
             assert e.score == pytest.approx(window if window > whole + WINDOW_MARGIN else whole, abs=1e-5)
 
 

@@ -17,7 +17,7 @@ def unit(*rows: list[float]) -> np.ndarray:
 
 RNG = np.random.default_rng(0)
 MOTIONS = unit(*(np.array([1.0, 0.0, 0.0, 0.0]) + 0.3 * RNG.normal(size=(200, 4))))
-HUB, OWN = unit([1.0, 0.0, 0.0, 0.0], [0.6, 0.0, 0.8, 0.0])
+COMMON, OTHER = unit([1.0, 0.0, 0.0, 0.0], [0.6, 0.0, 0.8, 0.0])
 
 
 def bundle(motions: np.ndarray | None) -> MeanEncoder:
@@ -26,19 +26,19 @@ def bundle(motions: np.ndarray | None) -> MeanEncoder:
 
 def test_what_is_near_everything_no_longer_comes_first() -> None:
     motion = unit([0.95, 0.0, 0.4, 0.0])[0]
-    cosines = np.stack([HUB, OWN]) @ motion
+    cosines = np.stack([COMMON, OTHER]) @ motion
     assert cosines[0] > cosines[1]
-    adjusted = cosines - hubness_penalty(bundle(MOTIONS), np.stack([HUB, OWN]))
+    adjusted = cosines - hubness_penalty(bundle(MOTIONS), np.stack([COMMON, OTHER]))
     assert adjusted[1] > adjusted[0]
 
 
 def test_a_share_of_the_mean_of_the_thirty_nearest_is_taken() -> None:
-    nearest = np.sort(MOTIONS @ OWN)[-30:]
-    assert hubness_penalty(bundle(MOTIONS), OWN[None]) == pytest.approx([0.35 * nearest.mean()], abs=1e-6)
+    nearest = np.sort(MOTIONS @ OTHER)[-30:]
+    assert hubness_penalty(bundle(MOTIONS), OTHER[None]) == pytest.approx([0.35 * nearest.mean()], abs=1e-6)
 
 
 def test_few_motions_are_all_near() -> None:
-    assert hubness_penalty(bundle(MOTIONS[:3]), OWN[None]) == pytest.approx([0.35 * (MOTIONS[:3] @ OWN).mean()])
+    assert hubness_penalty(bundle(MOTIONS[:3]), OTHER[None]) == pytest.approx([0.35 * (MOTIONS[:3] @ OTHER).mean()])
 
 
 def test_a_bundle_without_calibration_takes_nothing() -> None:

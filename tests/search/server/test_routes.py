@@ -86,6 +86,51 @@ def test_filters_choose_which_clips_are_asked(ask, given, paths):
     assert {motion["path"] for motion in ask("/api/motions", **given)["motions"]} == paths
 
 
+def test_filters_beside_a_clip_are_refused(client, number):
+    for given in ({"path": "x*"}, {"min_duration": 0}, {"captioned": "false"}):
+        response = client.get("/api/moments", params={"q": "walks", "clip": number(LONG), **given})
+        assert response.status_code == 422
+        assert response.json()["error"].startswith(next(iter(given)))
+
+
+@pytest.mark.parametrize(
+    ("url", "unknown"),
+    [
+        ("/api/search?q=walks&limit=3", "limit"),
+        ("/api/moments?q=walks&meanwhile=waves", "meanwhile"),
+        ("/api/motions?foo=1", "foo"),
+        ("/api/stats?foo=1", "foo"),
+        ("/api/motions/1?min_duration=1", "min_duration"),
+    ],
+)
+def test_unknown_parameters_are_refused_by_name(client, url, unknown):
+    response = client.get(url)
+    assert response.status_code == 422
+    assert response.json()["error"].startswith(f"no parameter {unknown}; ")
+    assert client.get("/api/search?q=walks&token=x").status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("url", "said"),
+    [
+        ("/api/curve?clip=walk&q=walks", "clip: must be a clip's number, such as 12 or #12, or the key of an upload"),
+        ("/api/motions/walk", "clip: must be a clip's number"),
+        ("/api/search", "q: is missing"),
+        ("/api/search?q=", "q: must not be empty"),
+        ("/api/search?q=walks&k=many", "k: must be a whole number"),
+        ("/api/search?q=walks&k=0", "k: must be 1 or more"),
+        ("/api/search?q=walks&k=201", "k: must be 200 or less"),
+        ("/api/search?q=walks&min_duration=x", "min_duration: must be a number"),
+        ("/api/search?q=walks&captioned=maybe", "captioned: must be true or false"),
+        ("/api/export?clip=1&format=fbx", "format: must be 'bvh', 'npz' or 'npy'"),
+    ],
+)
+def test_the_error_says_what_a_parameter_must_be(client, url, said):
+    response = client.get(url)
+    assert response.status_code == 422
+    assert response.json()["error"].startswith(said)
+
+
 @pytest.mark.parametrize("sentence", ["walks", "walks, then sits down"])
 def test_moments_in_a_take_answer_what_the_command_line_does(ask, run, indexed, number, sentence):
     found = ask("/api/moments", q=sentence, clip=number(LONG), k=2)

@@ -117,7 +117,7 @@ def test_an_upload_of_unknown_size_is_counted(served):
 
 
 async def _received(uploads: UploadStore, chunks: Iterator[tuple[float, bytes]]) -> None:
-    """A request whose body comes in chunks, each after so many seconds."""
+    """A request whose body comes in chunks, each after a pause in seconds."""
 
     async def receive():
         pause, body = next(chunks)
