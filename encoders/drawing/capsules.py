@@ -1,4 +1,4 @@
-"""A person to be drawn: the 22 joints clothed in tapered capsules, and where a camera looks at them."""
+"""The body that is drawn: tapered capsules on the 22 joints, and where a camera looks."""
 
 from __future__ import annotations
 

@@ -73,6 +73,6 @@ def test_batches_are_reproducible_and_drop_the_remainder() -> None:
         metrics.in_batches(similarity[:10, :10])
 
 
-def test_a_non_square_matrix_needs_to_be_told_what_is_right() -> None:
+def test_a_non_square_matrix_needs_the_right_items() -> None:
     with pytest.raises(ValueError, match="square"):
         metrics.ranks(np.zeros((2, 3)))

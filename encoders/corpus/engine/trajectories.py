@@ -117,7 +117,7 @@ def _wandering(rng: Generator) -> float:
     return float(np.clip(rng.normal(0.0, 0.1 if rng.random() < 0.75 else 0.3), -0.4, 0.4))
 
 
-def askew(rng: Generator) -> float:
+def heading_offset(rng: Generator) -> float:
     """Random angle between heading and a forward path, radians: at most 12 degrees."""
     return float(np.clip(rng.normal(0.0, 0.08), -0.21, 0.21))
 
@@ -142,7 +142,7 @@ def plan_gait(
     )
     pace_of_feet = gait.cadence * np.sqrt(pace) * manner.factor("pace")
     if not still and abs(angle) < 0.3:
-        angle += askew(rng)
+        angle += heading_offset(rng)
     if gait.duty < 0.4:  # gallops and high knees do not depend on speed
         gait = _running_at(gait, speed)
     # The reach of a leg is limited: longer steps at the same cadence shorten the stance.

@@ -89,7 +89,7 @@ class GraphBuilder:
         return self.add("Gemm", x, self.matrix(weight), self.constant(bias.detach().numpy(), np.float32), transB=1)
 
     def norm(self, x: str, layer: nn.LayerNorm) -> str:
-        """TransformerLayer normalisation over the last axis."""
+        """Layer normalisation over the last axis."""
         scale, bias = (self.constant(p.detach().numpy(), np.float32) for p in (layer.weight, layer.bias))
         return self.add("LayerNormalization", x, scale, bias, epsilon=layer.eps)
 

@@ -1,4 +1,4 @@
-"""Weights in 8 or 4 bits: a quarter or an eighth of the bytes, and vectors that hardly move."""
+"""Weights in 8 or 4 bits: a quarter or an eighth of the bytes, and vectors that hardly change."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ class TokenTable:
         self.sentences = np.concatenate(means)
         if stored is not None:
             cache.mkdir(parents=True, exist_ok=True)  # type: ignore[union-attr]
-            partial = stored.with_suffix(".partial.npz")  # a stopped run leaves no half a table
+            partial = stored.with_suffix(".partial.npz")  # an interrupted run leaves no partial table
             np.savez(partial, features=self.features, offsets=self.offsets, sentences=self.sentences)
             os.replace(partial, stored)
 
