@@ -47,7 +47,7 @@ class UnknownRig(UnreadableMotion):
         self.missing = list(missing)
         super().__init__(
             path,
-            reason or f"no joint found for {', '.join(self.missing)}; name them with --joint-map FILE",
+            reason or f"no joint found for {', '.join(self.missing)}; name them (joint_map=, --joint-map)",
         )
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -36,7 +36,7 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, ValueError) as error:
         raise UnreadableMotion(path, f"the archive is damaged: {error}") from None
     if fps is not None and not 0 < fps < 1e5:
-        raise UnreadableMotion(path, f"fps={fps:g} is no frame rate; give the true one with --fps")
+        raise UnreadableMotion(path, f"fps={fps:g} is no frame rate; give the true one (fps=, --fps)")
     return npy.take_of(path, array, fps)
 
 

@@ -100,7 +100,9 @@ class StoredLibrary:
             if checked_flag("create", create) and place is None:
                 place = _create(given)
         if place is None:
-            raise LibraryNotFound(f"{given}: no library here; make one with 'motionseek index {given}'")
+            raise LibraryNotFound(
+                f"{given}: no library here; make one with motionseek.index or 'motionseek index {given}'"
+            )
         return cls(place.resolve(), bundle=bundle)
 
     def close(self) -> None:
@@ -439,6 +441,6 @@ def _create(folder: Path) -> Path:
             schema.migrate(connection)
     except (OSError, LibraryError) as error:
         raise LibraryError(
-            f"{folder}: cannot be written ({error}); keep the library elsewhere with --library DIR"
+            f"{folder}: cannot be written ({error}); keep the library in another folder (library=, --library)"
         ) from error
     return folder

@@ -299,7 +299,7 @@ def writing(folder: Path) -> Iterator[Writer]:
             raise PermissionError(13, "it is read-only")
     except OSError as error:
         raise LibraryError(
-            f"{folder}: cannot be written ({error.strerror}); keep the library elsewhere with --library DIR"
+            f"{folder}: cannot be written ({error.strerror}); keep the library in another folder (library=, --library)"
         ) from error
     with ExitStack() as stack:
         stack.enter_context(write_lock(folder))

@@ -17,7 +17,7 @@ from search.server.routes import health, library, motions, search
 from search.server.security import SecurityMiddleware
 from search.server.snapshot_library import SnapshotLibrary
 from search.server.static_page import StaticPage
-from search.server.uploads import UploadLimits
+from search.server.uploads.upload_store import UploadLimits
 
 
 def create_app(

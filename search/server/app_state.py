@@ -19,7 +19,7 @@ from search.server.lru_cache import LruCache
 from search.server.microbatching import MicroBatcher, ServerBusy
 from search.server.prometheus import Metrics
 from search.server.snapshot_library import SearchRequest, SnapshotLibrary
-from search.server.uploads import Upload, UploadLimits, UploadStore
+from search.server.uploads.upload_store import Upload, UploadLimits, UploadStore
 from search.source import MotionSource
 
 Value = TypeVar("Value")

@@ -20,7 +20,7 @@ from search.server.app_state import AppState
 from search.server.exception_handlers import ANY, NO_CLIP, ok
 from search.server.parameters import ClipInPath, ClipParam, CountParam, FilterParams, SpanParams
 from search.server.responses import json_response
-from search.server.uploads import Upload
+from search.server.uploads.upload_store import Upload
 
 _BYTES: dict[int | str, dict[str, Any]] = {
     200: {"content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}}

@@ -63,7 +63,7 @@ def test_a_library_is_opened_by_the_indexed_folder_or_by_its_own(folder, bundle)
 
 
 def test_opening_a_folder_without_a_library_says_what_to_do(tmp_path):
-    with pytest.raises(LibraryNotFound, match=r"no library here; make one with 'motionseek index "):
+    with pytest.raises(LibraryNotFound, match=r"no library here; make one with motionseek.index or 'motionseek index "):
         StoredLibrary.open(tmp_path)
 
 

@@ -6,7 +6,7 @@ import os
 import time
 
 from encoders.motion import Motion
-from search.server.sandboxed_reader import limit_resources
+from search.server.uploads.sandboxed_reader import limit_resources
 
 
 def hangs(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tuple[Motion, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from encoders.motion import Motion
 from indexer.ingest import worker
 
-READ = "search.server.sandboxed_reader:read"
+READ = "search.server.uploads.sandboxed_reader:read"
 
 #: Limits of the process: bytes of address space, seconds of CPU time.
 MEMORY = 4 << 30

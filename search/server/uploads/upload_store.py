@@ -19,7 +19,7 @@ from indexer.formats.table import READABLE
 from indexer.ingest import pool
 from search.server.exception_handlers import BUSY
 from search.server.lru_cache import LruCache
-from search.server.sandboxed_reader import READ
+from search.server.uploads.sandboxed_reader import READ
 from search.source import MotionSource
 
 

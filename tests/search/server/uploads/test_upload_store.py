@@ -13,8 +13,8 @@ from starlette.exceptions import HTTPException
 from starlette.requests import Request
 
 from search.export import bvh_writer, joints_binary
-from search.server import sandboxed_reader
-from search.server.uploads import UploadLimits, UploadStore
+from search.server.uploads import sandboxed_reader
+from search.server.uploads.upload_store import UploadLimits, UploadStore
 from tests.search.conftest import made_motion
 
 
@@ -174,7 +174,9 @@ def test_only_some_uploads_at_once():
 )
 def test_a_hostile_file_only_ends_its_reader(served, dance, monkeypatch, target, reason):
     client = served(limits=UploadLimits(patience=1.0))
-    monkeypatch.setattr("search.server.uploads.READ", f"tests.search.server.hostile_readers:{target}")
+    monkeypatch.setattr(
+        "search.server.uploads.upload_store.READ", f"tests.search.server.uploads.hostile_readers:{target}"
+    )
     response = client.post("/api/describe", params={"name": "x.bvh"}, content=dance)
     assert response.status_code == 422
     assert reason in response.json()["error"]

@@ -1,0 +1,1 @@
+"""Uploads: received and kept in memory, and read in a worker process with limited resources."""
