@@ -51,9 +51,9 @@ class Library(StoredLibrary):
     to search in: `min_duration` and `max_duration` in seconds, `path` (a pattern such as "fights/*"), `rig`, `format`,
     and `captioned` (True or False).
 
-    A reference `ref` is a file; a clip of the library by path, name or "#number"; a `Clip`, a `Hit`, a `Motion`, or an
-    array of joints (T, 22, 3) with its frame rate `fps` (20 if not given). Where a method takes `start` and `end`, in
-    seconds, a hit stands for its span; elsewhere for its whole clip.
+    A reference `ref` is a file; a clip of the library by path (after its root's name, where there are several), name or
+    "#number"; a `Clip`, a `Hit`, a `Motion`, or an array of joints (T, 22, 3) with its frame rate `fps` (default 20).
+    Where a method takes `start` and `end`, in seconds, a hit stands for its span; elsewhere for its whole clip.
 
     All errors are below `MotionSeekError`. Every method raises `ArgumentError`, which names the argument, for a value
     of a wrong type or out of range; `UnknownClip` or `UnreadableMotion` where a reference means no clip or no readable
@@ -289,6 +289,8 @@ class Library(StoredLibrary):
         """
         k, moments, allowed = checked_count(k), checked_flag("moments", moments), self.allowed(**filters)
         if isinstance(ref, list) or is_vector(ref):
+            if (start, end, fps) != (None, None, None):
+                raise ArgumentError("start, end and fps are for motions, and a vector is given")
             question = self._vector(ref, kind="motion")
             return self._moment_hits(question, k, allowed) if moments else self._clip_hits(question, k, allowed)
         source, (start, end) = self.source(ref, fps=fps), checked_span(*span_of(ref, start, end))

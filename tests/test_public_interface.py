@@ -161,6 +161,9 @@ def test_hits_of_two_files_of_one_name_are_told_apart(indexed: motionseek.Librar
         assert indexed.clip(hit.clip_id).file == hit.file
         assert (hit.document()["clip"], hit.document()["root"]) == (hit.clip_id, hit.root)
         assert str(hit.file.parent) not in str(hit.document()), "an absolute path is for Python only"
+        assert indexed.find(indexed.reference(hit.root, hit.path)).id == hit.clip_id
+    with pytest.raises(motionseek.UnknownClip, match=r"takes/one.npy \(#1\), takes \(2\)/one.npy \(#2\)$"):
+        indexed.describe("one.npy")
 
 
 def test_a_vector_is_a_query(library: motionseek.Library, bundle: motionseek.Encoder) -> None:
@@ -180,6 +183,8 @@ def test_one_rule_for_vectors(library: motionseek.Library, bundle: motionseek.En
         for wrong in (vector[:5], np.full_like(vector, np.nan), np.zeros_like(vector), [], [[1], [2, 3]], [["a"]]):
             with pytest.raises(motionseek.ArgumentError, match="vector"):
                 ask(wrong)
+    with pytest.raises(motionseek.ArgumentError, match="vector is given"):
+        library.similar(vector, start=1)
 
 
 def test_a_partial_calibration_is_enough(tmp_path: Path) -> None:
