@@ -7,9 +7,8 @@ from functools import cache
 
 from encoders.arguments import checked_count, checked_span
 from encoders.bundle.bundle import Bundle
-from encoders.errors import ArgumentError
 from encoders.protocol import Encoder
-from indexer.argument_checks import checked_rate
+from indexer.argument_checks import checked_encoder, checked_rate
 from search.hits import Hits
 from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
@@ -103,9 +102,8 @@ def segment(
 
 
 def _encoder(bundle: Encoder | None) -> Encoder:
-    if bundle is not None and not isinstance(bundle, Encoder):
-        raise ArgumentError(f"bundle={bundle!r} must be an Encoder, such as Bundle.load(folder)")
-    return _shipped() if bundle is None else bundle
+    given = checked_encoder(bundle)
+    return _shipped() if given is None else given
 
 
 @cache

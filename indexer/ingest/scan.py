@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from posixpath import basename, splitext
 
+from encoders.arguments import is_text
 from indexer.formats import table
 from indexer.store.files import File
 from indexer.store.stored_library import FILE
@@ -78,7 +79,7 @@ def walk(root: Path, warn: Callable[[str], None]) -> Iterator[Folder]:
             path = f"{folder.path}/{entry.name}" if folder.path else entry.name
             if entry.name.startswith("."):
                 continue
-            if not _is_utf8(path):
+            if not is_text(path):
                 warn(f"{os.fsencode(root / path).decode(errors='replace')}: the name is not UTF-8; rename it")
             elif entry.is_symlink():
                 if entry.is_dir() or table.is_motion(splitext(path)[1].lower()):
@@ -107,11 +108,3 @@ def _with(file: File, others: list[File]) -> File:
         time,
         tuple(other.path for other in others),
     )
-
-
-def _is_utf8(path: str) -> bool:
-    try:
-        path.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
