@@ -10,7 +10,8 @@ from indexer.ingest.encode import encode, encode_captions, use_model
 from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
 
-_BATCH_CLIPS = 32
+#: Clips encoded and committed at once.
+CLIPS_A_BATCH = 32
 
 
 def reencode(
@@ -64,8 +65,8 @@ def _encode_clips(
     """Vectors for every clip that has none under the model; how many clips there are."""
     ids = library.ids()
     left = library.ids("clips.id NOT IN (SELECT clip_id FROM embeddings WHERE model_id = ?)", [model_id])
-    for first in range(0, len(left), _BATCH_CLIPS):
-        batch = left[first : first + _BATCH_CLIPS]
+    for first in range(0, len(left), CLIPS_A_BATCH):
+        batch = left[first : first + CLIPS_A_BATCH]
         encoded = encode(bundle, [library.motion(clip_id) for clip_id in batch])
         with writer.batch():
             for clip_id, vectors in zip(batch, encoded, strict=True):

@@ -11,8 +11,8 @@ from starlette.types import ASGIApp
 
 PORT = 8420
 
-#: Ports tried after the default one.
-_MORE_PORTS = 20
+#: Ports tried, the default one first.
+PORTS_TRIED = 20
 _GRACE = 3  # seconds for requests in flight at shutdown
 
 
@@ -28,7 +28,7 @@ def listen(host: str, port: int | None) -> socket.socket:
     PortTaken
         If no socket can be bound; the message says why and what to do.
     """
-    ports = range(PORT, PORT + _MORE_PORTS) if port is None else (port,)
+    ports = range(PORT, PORT + PORTS_TRIED) if port is None else (port,)
     for number in ports:
         try:
             return _bound(host, number)

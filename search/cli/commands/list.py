@@ -35,7 +35,7 @@ def list(folder: str | None, as_json: bool, **filters: Any) -> None:
     with options.open_library(folder) as library:
         clips = _clips(library, filters)
         if as_json:
-            found = [clip.document(captions) | {"absolute_path": str(clip.file)} for clip, captions in clips]
+            found = [clip.document(captions) | {"absolute_path": _absolute_path(clip)} for clip, captions in clips]
             terminal.document({"clips": found})
             return
         rows = [_row(clip, captions) for clip, captions in clips]
@@ -51,6 +51,10 @@ def list(folder: str | None, as_json: bool, **filters: Any) -> None:
 
 def _clips(library: Library, filters: dict[str, Any]) -> Iterator[tuple[Clip, Sequence[Caption]]]:
     return ((clip, library.captions(clip.id)) for clip in library.clips(**filters))
+
+
+def _absolute_path(clip: Clip) -> str | None:
+    return None if clip.file is None else str(clip.file)
 
 
 def _row(clip: Clip, captions: Sequence[Caption]) -> tuple[str, ...]:

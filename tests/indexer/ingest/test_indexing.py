@@ -545,7 +545,7 @@ def test_reencoding_needs_no_source_file(root, bundle, tmp_path):
 
 def test_reencoding_that_is_cut_off_leaves_the_old_vectors_and_continues(root, bundle, monkeypatch):
     index(root, bundle=bundle)
-    monkeypatch.setattr("indexer.ingest.reencode._BATCH_CLIPS", 1)
+    monkeypatch.setattr("indexer.ingest.reencode.CLIPS_A_BATCH", 1)
     other, encoded = SmallBundle("other"), []
     features = other.features
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from tests.search.conftest import Run
+from encoders.bundle.bundle import Bundle
+from search.library import Library
+from tests.search.conftest import Run, made_motion
 
 
 def test_clips_as_json(indexed: Path, run: Run) -> None:
@@ -53,3 +55,10 @@ def test_files_of_one_name_are_told_apart(takes: Path, run: Run, tmp_path: Path)
     for clip in clips:
         assert f"#{clip['id']}" in ambiguous.err
         assert run("describe", f"#{clip['id']}", "--library", library).code == 0
+
+
+def test_a_clip_without_a_file_has_no_absolute_path(run: Run, tmp_path: Path, tiny_bundle: Path) -> None:
+    with Library.open(tmp_path / "arrays", create=True, bundle=Bundle.load(tiny_bundle)) as library:
+        library.add("walk", made_motion(2.0, 0))
+    (clip,) = run("list", "--library", tmp_path / "arrays", "--json").document["clips"]
+    assert (clip["path"], clip["absolute_path"]) == ("walk", None)

@@ -100,7 +100,7 @@ def test_without_a_port_the_next_free_one_is_taken(monkeypatch):
 
 
 def test_the_error_names_all_ports_that_were_tried(monkeypatch):
-    monkeypatch.setattr(running, "_MORE_PORTS", 1)
+    monkeypatch.setattr(running, "PORTS_TRIED", 1)
     monkeypatch.setattr(running, "PORT", _free_port())
     with listen("127.0.0.1", None), pytest.raises(PortTaken, match=f"ports {running.PORT} to {running.PORT}"):
         listen("127.0.0.1", None)
