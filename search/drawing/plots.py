@@ -144,7 +144,7 @@ def _poses(
     outlines[..., 0] = outlines[..., 0] * scale + places[:, None, None]
     for pose, near in zip(outlines, nearness, strict=True):
         order = np.argsort(near)
-        ax.add_collection(PolyCollection(list(pose[order]), facecolors=_TINT[order], linewidths=0))
+        ax.add_collection(PolyCollection(list(pose[order]), facecolors=_TINT[order], linewidths=0, clip_on=False))
     ax.axhline(0, color=_PALE, lw=0.8, zorder=0)
     ax.set_ylim(-0.08, max(1.9, float(outlines[..., 1].max()) + 0.1))
     if scale == 1.0:
