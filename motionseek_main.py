@@ -48,3 +48,7 @@ def main() -> None:
     from search.cli.main import main as run
 
     run()
+
+
+if __name__ == "__main__":
+    main()

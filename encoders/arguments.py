@@ -60,8 +60,13 @@ def optional_number(name: str, value: Any) -> float | None:
 
 
 def checked_span(start: Any, end: Any) -> tuple[float | None, float | None]:
-    """Start and end of a span in seconds, each a finite number or None."""
-    return optional_number("start", start), optional_number("end", end)
+    """Start and end of a span in seconds, each a finite number or None; the start not below 0, the end after it."""
+    first, last = optional_number("start", start), optional_number("end", end)
+    if first is not None and first < 0:
+        raise ArgumentError(f"start={first:g} must be 0 or more seconds")
+    if last is not None and last <= (first or 0.0):
+        raise ArgumentError(f"end={last:g} must be after start={first or 0:g}, in seconds")
+    return first, last
 
 
 def checked_flag(name: str, value: Any) -> bool:
@@ -128,7 +133,7 @@ def unit_vector(vector: ArrayLike, size: int) -> NDArray[np.float32]:
     values = _numbers(vector)
     if values is None or values.shape not in ((size,), (1, size)) or not np.isfinite(values).all():
         shape = "" if values is None else f" of shape {values.shape}"
-        raise ArgumentError(f"a query vector{shape} must be {size} finite numbers")
+        raise ArgumentError(f"a query{shape} must be a sentence, or a vector of {size} finite numbers")
     values = values.reshape(size).astype(np.float64)
     largest = np.abs(values).max()
     if largest == 0:

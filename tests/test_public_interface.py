@@ -285,6 +285,10 @@ def test_spans_rates_and_lists_are_refused_by_name(library: motionseek.Library, 
         motionseek.moments("walks", made_motion(2, 1), meanwhile="waves")
     with pytest.raises(motionseek.ArgumentError, match="start"):
         library.describe("wave", start=float("nan"))
+    with pytest.raises(motionseek.ArgumentError, match="start=-1"):
+        library.describe("wave", start=-1)
+    with pytest.raises(motionseek.ArgumentError, match="end=1 must be after start=2"):
+        library.similar("wave", start=2, end=1)
     with pytest.raises(motionseek.ArgumentError, match="fps"):
         library.describe(made_motion(2, 1).joints, fps=float("nan"))
     for name, value in (("fps", 0), ("fps", float("inf")), ("size", 3)):

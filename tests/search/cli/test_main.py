@@ -111,7 +111,7 @@ def test_an_error_is_a_traceback_only_with_debug(indexed: Path, run: Run) -> Non
         (["export", "take 1", "x.fbx"], ".bvh, .npz, .npy"),
         (["export", "take 1", "x.npy", "--start", "9"], "outside"),
         (["segment", "take 1", "--labels", " , "], "--labels"),
-        (["similar", "take 1", "--start", "3", "--end", "2"], "outside"),
+        (["similar", "take 1", "--start", "3", "--end", "2"], "end=2 must be after start=3"),
         (["similar", "take 1", "--start", "2", "--end", "2.1"], "at least 0.5 s"),
         (["moments", "walks", "take 1", "--plot", "x.gif.mp4"], ".png"),
     ],
