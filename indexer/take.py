@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+UP_AXES = ("x", "y", "z", "-x", "-y", "-z")
+
 
 @dataclass(frozen=True)
 class Take:
@@ -24,6 +26,15 @@ class Take:
         Joint positions in the world.
     fps : float or None
         Frames a second; None where the format does not say.
+    name : str
+        Which of several takes of one file this is: the name of an animation, the number of a figure. Empty where the
+        file holds one.
+    up : str or None
+        The axis that is up by what the file states, one of `UP_AXES`; None where it states none.
+    up_is_certain : bool
+        Whether that axis is up whatever the movement looks like.
+    warnings : tuple of str
+        What was left out, mended or taken for granted.
     """
 
     names: tuple[str, ...]
@@ -31,3 +42,7 @@ class Take:
     rest: NDArray[np.float64]
     positions: NDArray[np.float64]
     fps: float | None
+    name: str = ""
+    up: str | None = None
+    up_is_certain: bool = False
+    warnings: tuple[str, ...] = ()

@@ -25,7 +25,7 @@ MAX_WORD = 64
 _NAMED_SKELETON = re.compile(rb"([^\\/\s:][^\\/\r\n:]*\.asf)\s*$", re.IGNORECASE | re.MULTILINE)
 
 
-def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) -> Take:
+def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) -> list[Take]:
     """Read an AMC file with the ASF that lies beside it.
 
     Each joint stands where its bone begins and has the bone's name, as in BVH; the tip of a last bone is the
@@ -41,7 +41,7 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
     layout = _layout(path, words)
     skeleton = _skeleton(path, data, [name for name, _ in layout])
     radians = skeleton.radians if unit is None else unit == "radians"
-    return _take(path, skeleton, _channels(path, words, layout), radians, fps)
+    return [_take(path, skeleton, _channels(path, words, layout), radians, fps)]
 
 
 def _split(data: bytes) -> tuple[bytes, str | None]:

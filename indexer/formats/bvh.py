@@ -47,7 +47,7 @@ class _Joint:
     channels: list[tuple[str, str]] = field(default_factory=list)  # ("p" or "r", axis), in the order written
 
 
-def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) -> Take:
+def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) -> list[Take]:
     """Read a BVH file; end sites become joints named after their parent with `_end`.
 
     Parameters
@@ -74,7 +74,7 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
             raise UnreadableMotion(path, f"Frame Time {frame_time:g} is no frame rate; give the true one with fps")
         fps = _rate(frame_time)
     frames = _frames(path, data, numbers, sum(len(joint.channels) for joint in joints), count)
-    return _take(joints, frames, fps)
+    return [_take(joints, frames, fps)]
 
 
 def _hierarchy(path: str | PathLike[str], header: bytes) -> list[_Joint]:

@@ -16,7 +16,7 @@ FEATURES = 263
 SHAPES = "(T, 22, 3), (T, 24, 3), (T, 52, 3) or (T, 263)"
 
 
-def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) -> Take:
+def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) -> list[Take]:
     """Read a `.npy` file; of 24 or 52 joints the 22 of the body are kept, all in SMPL order.
 
     Raises
@@ -24,7 +24,7 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
     UnreadableMotion
         If the array has another shape, holds objects, or is shorter than its header says.
     """
-    return take_of(path, load_array(path, data), fps)
+    return [take_of(path, load_array(path, data), fps)]
 
 
 def take_of(path: str | PathLike[str], array: NDArray[np.float64], fps: float | None) -> Take:

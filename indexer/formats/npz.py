@@ -16,7 +16,7 @@ MAX_BYTES = 256 << 20
 _PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
-def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) -> Take:
+def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) -> list[Take]:
     """Read a `.npz` file; nothing in it is unpickled.
 
     Raises
@@ -37,7 +37,7 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
         raise UnreadableMotion(path, f"the archive is damaged: {error}") from None
     if fps is not None and not 0 < fps < 1e5:
         raise UnreadableMotion(path, f"fps={fps:g} is no frame rate; give the true one (fps=, --fps)")
-    return npy.take_of(path, array, fps)
+    return [npy.take_of(path, array, fps)]
 
 
 def _member(path: str | PathLike[str], archive: zipfile.ZipFile, name: str, limit: int) -> bytes:

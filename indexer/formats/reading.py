@@ -1,4 +1,4 @@
-"""A file of any format becomes a Take."""
+"""A file of any format becomes Takes; one of several is named as `file#name`."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ import numpy as np
 
 from encoders.errors import UnreadableMotion
 from indexer.formats import table
+from indexer.formats.opening import read_bytes
 from indexer.take import Take
-
-MAX_BYTES = 4 << 30
 
 
 @np.errstate(over="ignore", invalid="ignore")  # absurd values overflow to positions that are refused as not finite
-def read_take(path: str | PathLike[str], *, fps: float | None = None) -> Take:
-    """Read a motion file.
+def read_takes(path: str | PathLike[str], *, fps: float | None = None) -> list[Take]:
+    """Read all takes of a motion file, at least one; where there are several, their names differ.
 
     Parameters
     ----------
@@ -34,10 +33,38 @@ def read_take(path: str | PathLike[str], *, fps: float | None = None) -> Take:
     path = Path(fspath(path))
     if fps is not None and not 0 < fps < 1e5:
         raise UnreadableMotion(path, f"fps={fps:g} is no frame rate")
-    data = _load(path)
+    data = read_bytes(path)
     row = table.detect(path, data)
-    take = row.read(path, data, fps=fps)
-    return take if take.fps is not None else replace(take, fps=row.default_fps)
+    takes = row.read(path, data, fps=fps)
+    return [take if take.fps is not None else replace(take, fps=row.default_fps) for take in takes]
+
+
+def read_take(path: str | PathLike[str], *, fps: float | None = None) -> Take:
+    """Read the one take of a motion file, or the one of several that `file#name` names; see `read_takes`.
+
+    Raises
+    ------
+    UnreadableMotion
+        Also where the file holds several and none is named, or none of that name.
+    """
+    file, name = split_name(path)
+    takes = read_takes(file, fps=fps)
+    if not name and len(takes) == 1:
+        return takes[0]
+    for take in takes:
+        if take.name == name:
+            return take
+    names = ", ".join(f"{file.name}#{take.name}" for take in takes if take.name)
+    raise UnreadableMotion(file, f"it holds no take {name!r}" if not names else f"it holds several takes: {names}")
+
+
+def split_name(path: str | PathLike[str]) -> tuple[Path, str]:
+    """A path as a file and the name of a take in it; the name is empty where there is such a file, or no `#`."""
+    whole = Path(fspath(path))
+    file, mark, name = fspath(path).rpartition("#")
+    if not mark or whole.exists() or not Path(file).is_file():
+        return whole, ""
+    return Path(file), name
 
 
 def is_of_format(path: Path, ending: str) -> bool:
@@ -47,19 +74,3 @@ def is_of_format(path: Path, ending: str) -> bool:
             return table.detect(path, file.read(table.COMPANION_START)).ending == ending
     except (OSError, UnreadableMotion):
         return False
-
-
-def _load(path: Path) -> bytes:
-    try:
-        if path.is_dir():
-            raise UnreadableMotion(path, "this is a folder, not a file")
-        if path.exists() and not path.is_file():
-            raise UnreadableMotion(path, "this is no regular file")
-        if path.stat().st_size > MAX_BYTES:
-            raise UnreadableMotion(path, f"the file is larger than {MAX_BYTES >> 30} GB; cut it into takes")
-        data = path.read_bytes()
-    except (OSError, ValueError) as error:
-        raise UnreadableMotion(path, getattr(error, "strerror", None) or str(error)) from None
-    if not data.strip():
-        raise UnreadableMotion(path, "the file is empty")
-    return data

@@ -2,7 +2,8 @@
 
 Which frame rate a file is read at, and what overrides it: `indexer.store.read_options`.
 
-A new format is one module beside this one, with a function `read(path, data, *, fps=None) -> Take`, and one row here.
+A new format is one module beside this one, with a function `read(path, data, *, fps=None) -> list[Take]`, and one row
+here.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ class Format:
     ending : str
         In lower case, with the dot.
     read : callable
-        (path, data, *, fps) -> Take; `fps` overrides what the file states.
+        (path, data, *, fps) -> the takes of the file, at least one; `fps` overrides what the file states.
     signature : regular expression
         Matches the start of such a file in lower case, after white space and byte order mark.
     is_text : bool
@@ -54,7 +55,7 @@ class Format:
     """
 
     ending: str
-    read: Callable[..., Take]
+    read: Callable[..., list[Take]]
     signature: bytes
     is_text: bool = False
     needs_ending: bool = False

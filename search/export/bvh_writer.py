@@ -98,7 +98,7 @@ def _with_frames(header: bytes, count: int, fps: float) -> bytes:
 
 def _skipped(path: Path, header: bytes, opening: list[bytes], fps: float) -> int:
     """Frames before the motion begins, where the file opens with a pose that is none; reading leaves them out."""
-    take = reader.read(path, _with_frames(header, len(opening), fps) + b"".join(opening))
+    (take,) = reader.read(path, _with_frames(header, len(opening), fps) + b"".join(opening))
     try:
         rig = map_rig(take, path)
     except UnknownRig:
