@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.errors import UnreadableMotion
-from indexer.formats.kinematics import Pose, turn
+from indexer.formats.kinematics import Pose, tips, turn
 from indexer.formats.numbers import parse_numbers
 from indexer.take import Take
 
@@ -67,7 +67,7 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
     split = _MOTION.search(data)
     if split is None:
         raise UnreadableMotion(path, "the BVH has no MOTION section: the file may be cut short")
-    joints = _hierarchy(path, data[: split.start() + (data[split.start() : split.start() + 1] == b"}")])
+    joints = _with_tips(_hierarchy(path, data[: split.start() + (data[split.start() : split.start() + 1] == b"}")]))
     count, frame_time, numbers = _motion_header(path, data, split.end())
     if fps is None:
         if not (np.isfinite(frame_time) and 1e-5 < frame_time <= 10):
@@ -125,6 +125,20 @@ def _hierarchy(path: str | PathLike[str], header: bytes) -> list[_Joint]:
     if not joints:
         raise UnreadableMotion(path, "the hierarchy holds no joints")
     return joints
+
+
+def _with_tips(joints: list[_Joint]) -> list[_Joint]:
+    """The joints, and an end site for each last one that turns but has none."""
+    parents = np.array([joint.parent for joint in joints])
+    rest = np.zeros((len(joints), 3))
+    for i, joint in enumerate(joints):
+        rest[i] = joint.offset + (rest[joint.parent] if joint.parent >= 0 else 0)
+    added = [
+        _Joint(f"{joints[leaf].name}_end", leaf, True, step)
+        for leaf, step in tips(parents, rest)
+        if joints[leaf].channels
+    ]
+    return joints + added
 
 
 def _channel_names(text: str) -> list[tuple[str, str]]:

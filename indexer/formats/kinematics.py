@@ -40,3 +40,29 @@ def turn(axes: Axes, axis: int, angle: NDArray[np.float64]) -> Axes:
     turned[first] = axes[first] * cos + axes[second] * sin
     turned[second] = axes[second] * cos - axes[first] * sin
     return turned[0], turned[1], turned[2]
+
+
+def tips(parents: NDArray[np.int64], rest: NDArray[np.float64]) -> list[tuple[int, NDArray[np.float64]]]:
+    """Bones that go on straight from the leaves of a skeleton, as long as the bones that lead there.
+
+    A leaf that turns but has no end site, as elbow or knee where hands and feet are left out, still says where the
+    bone goes that follows.
+
+    Parameters
+    ----------
+    parents : int array (J,)
+        Parent of each joint, -1 for a root; parents before children.
+    rest : float array (J, 3)
+        Joint positions of the rest pose.
+
+    Returns
+    -------
+    list of (leaf, step (3,))
+        Joint numbers, and the way from there to the new tip in the rest pose; none where no bone leads to a leaf.
+    """
+    steps = np.where(parents[:, None] < 0, 0.0, rest - rest[parents])
+    for joint, parent in enumerate(parents):
+        if parent >= 0 and not steps[joint].any():
+            steps[joint] = steps[parent]
+    leaves = sorted(set(range(len(parents))) - set(parents.tolist()))
+    return [(leaf, steps[leaf]) for leaf in leaves if steps[leaf].any()]

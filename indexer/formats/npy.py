@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from os import PathLike
 
 import numpy as np
@@ -39,6 +40,7 @@ def take_of(path: str | PathLike[str], array: NDArray[np.float64], fps: float | 
         from encoders.features.humanml3d import features_to_joints
 
         joints = np.asarray(features_to_joints(array), np.float64)
+        return replace(joints_take(joints, fps), up="y", up_is_certain=True)
     elif array.ndim == 3 and array.shape[1] in (22, 24, 52) and array.shape[2] == 3:
         joints = array[:, : len(JOINTS)]
     else:
@@ -71,8 +73,16 @@ def load_number(path: str | PathLike[str], data: bytes) -> float:
     return float(np.load(io.BytesIO(data), allow_pickle=False).reshape(()))
 
 
-def _checked_shape(path: str | PathLike[str], data: bytes) -> tuple[int, ...]:
-    """The shape a header announces, of numbers that are all there."""
+def load_word(path: str | PathLike[str], data: bytes) -> str:
+    """The one string of a `.npy` file."""
+    shape = _checked_shape(path, data, kinds="U")
+    if shape not in ((), (1,)):
+        raise UnreadableMotion(path, f"an array of shape {shape} is no word")
+    return str(np.load(io.BytesIO(data), allow_pickle=False).reshape(()))
+
+
+def _checked_shape(path: str | PathLike[str], data: bytes, kinds: str = "fiu") -> tuple[int, ...]:
+    """The shape a header announces, of numbers (or other kinds) that are all there."""
     stream = io.BytesIO(data)
     try:
         version = np.lib.format.read_magic(stream)
@@ -80,7 +90,7 @@ def _checked_shape(path: str | PathLike[str], data: bytes) -> tuple[int, ...]:
         shape, _, dtype = header(stream)
     except ValueError as error:
         raise UnreadableMotion(path, f"the array's header is damaged: {error}") from None
-    if dtype.hasobject or dtype.kind not in "fiu":
+    if dtype.hasobject or dtype.kind not in kinds:
         raise UnreadableMotion(path, f"an array of {dtype} is no motion; numbers are needed")
     need = int(np.prod([int(n) for n in shape], dtype=object)) * dtype.itemsize
     if need > len(data) - stream.tell():

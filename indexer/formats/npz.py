@@ -1,15 +1,16 @@
-"""NumPy archives as `motionseek export` writes them: joint positions in SMPL order with their frame rate."""
+"""NumPy archives as `motionseek export` writes them: joint positions in SMPL order, their frame rate and up axis."""
 
 from __future__ import annotations
 
 import io
 import zipfile
 import zlib
+from dataclasses import replace
 from os import PathLike
 
 from encoders.errors import UnreadableMotion
 from indexer.formats import npy
-from indexer.take import Take
+from indexer.take import UP_AXES, Take
 
 #: Unpacked, an array may be so large: twelve hours of the 22 joints at 20 frames a second.
 MAX_BYTES = 256 << 20
@@ -33,11 +34,15 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
             array = npy.load_array(path, _member(path, archive, "joints.npy", MAX_BYTES))
             if fps is None and "fps" in names:
                 fps = npy.load_number(path, _member(path, archive, "fps.npy", 1 << 10))
+            up = npy.load_word(path, _member(path, archive, "up.npy", 1 << 10)) if "up" in names else None
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, ValueError) as error:
         raise UnreadableMotion(path, f"the archive is damaged: {error}") from None
     if fps is not None and not 0 < fps < 1e5:
         raise UnreadableMotion(path, f"fps={fps:g} is no frame rate; give the true one (fps=, --fps)")
-    return [npy.take_of(path, array, fps)]
+    if up is not None and up not in UP_AXES:
+        raise UnreadableMotion(path, f"up={up!r} is no axis; it must be one of {', '.join(UP_AXES)}")
+    take = npy.take_of(path, array, fps)
+    return [take if up is None else replace(take, up=up, up_is_certain=True)]
 
 
 def _member(path: str | PathLike[str], archive: zipfile.ZipFile, name: str, limit: int) -> bytes:

@@ -2,58 +2,110 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from encoders.geometry import Array, unit
+from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import SIDES
 from indexer.rigs.rest_pose import standing_axes
+from indexer.take import UP_AXES, Take
 
-#: Rotations that bring +x, +y, +z, -x, -y, -z to +Y.
-_TO_Y = (
-    np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]),
-    np.eye(3),
-    np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]),
-    np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]),
-    np.diag([1.0, -1, -1]),
-    np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
+#: Rotations that bring each of `UP_AXES` to +Y.
+_TO_Y = dict(
+    zip(
+        UP_AXES,
+        (
+            np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]),
+            np.eye(3),
+            np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]),
+            np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]),
+            np.diag([1.0, -1, -1]),
+            np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
+        ),
+        strict=True,
+    )
 )
-_AXES = np.vstack([np.eye(3), -np.eye(3)])
+_AXES = np.vstack([np.eye(3), -np.eye(3)])  # in the order of UP_AXES
 #: What a file's axis is believed to be before looking: BVH says +Y, many programs write +Z.
 _HABIT = np.array([0.0, 0.15, 0.1, 0.0, 0.0, 0.0])
 _CLEAR = 0.4  # mean cosine that decides
-_FLOOR = 0.2  # leg lengths within which the lowest point lies where there is a floor at height 0
+_SUNK, _FLOOR = -0.1, 0.25  # leg lengths between which the lowest point stays where there is a floor at height 0
 
 
-def orientation(landmarks: Landmarks, rest: Landmarks) -> Array:
-    """The matrix (3, 3) that brings landmarks to Y up and right-handed: a rotation, mirrored where needed."""
-    turn = _TO_Y[_up(landmarks, rest)]
+class Up(NamedTuple):
+    """The axis of a file that is up, one of `UP_AXES`, and the reason to think so."""
+
+    axis: str
+    reason: str
+
+
+def orientation(up: str, landmarks: Landmarks, rest: Landmarks) -> Array:
+    """The matrix (3, 3) that brings landmarks to Y up and right-handed: a rotation, mirrored where needed.
+
+    `up` is the axis that is up, one of `UP_AXES`.
+    """
+    turn = _TO_Y[up]
     return np.diag([-1.0, 1, 1]) @ turn if is_mirrored(landmarks, rest) else turn
 
 
-def _up(landmarks: Landmarks, rest: Landmarks) -> int:
-    """Which of +x, +y, +z, -x, -y, -z is up: where heads are over hips, and hips over feet, most of the time.
+def up_axis(landmarks: Landmarks, rest: Landmarks, stated: str | None = None, *, is_certain: bool = False) -> Up:
+    """Which way is up in a file.
 
-    Someone may lie all the time: then the rest pose decides, if by it the body lies on a floor at height 0.
+    What is expected before looking is the axis that the file states, else that along which its rest pose stands, else
+    +Y. It is up where the movement has a floor at height 0 along it; elsewhere heads are over hips and hips over feet
+    most of the time.
+
+    Parameters
+    ----------
+    landmarks : Landmarks
+        The movement.
+    rest : Landmarks
+        The rest pose, T = 1.
+    stated : str, optional
+        The axis that the file states.
+    is_certain : bool
+        That axis is up whatever the movement looks like.
     """
+    if stated is not None and is_certain:
+        return Up(stated, "by definition")
+    standing = standing_axes(rest)
+    at_rest = None if standing is None else UP_AXES[int(np.argmax(_AXES @ standing[:, 1]))]
+    expected = stated or at_rest or "y"
     trunk = unit(landmarks.marks["head"] - landmarks.middle("hip"))
     legs = unit(landmarks.middle("hip") - landmarks.middle("ankle"))
     upright = _AXES @ (trunk + legs).mean(axis=0) / 2
-    best = int(np.argmax(upright + _HABIT))
-    standing = standing_axes(rest)
-    if standing is None:
-        return best
-    at_rest = int(np.argmax(_AXES @ standing[:, 1]))
-    if upright[best] < _CLEAR:
-        return at_rest
-    lies = _has_floor(landmarks, _AXES[at_rest]) and not _has_floor(landmarks, _AXES[best])
-    return at_rest if lies else best
+    best = UP_AXES[int(np.argmax(upright + _HABIT))]
+    floor, floor_of_best = _floor(landmarks, expected), _floor(landmarks, best)
+    if floor == "level" or (floor == "near" and not floor_of_best):
+        return Up(expected, "it has a floor at height 0")
+    if (stated or at_rest) and upright.max() < _CLEAR:
+        return Up(expected, "the file says so" if stated else "the rest pose stands")
+    return Up(best, "posture")
 
 
-def _has_floor(landmarks: Landmarks, up: Array) -> bool:
-    """Is the lowest point of the body at height 0, usually?"""
-    lowest = (landmarks.points() @ up).min(axis=-1)
-    return bool(abs(np.median(lowest)) < _FLOOR * landmarks.leg_length())
+def _floor(landmarks: Landmarks, axis: str) -> str:
+    """Whether the lowest point of the body is near height 0 usually ("near") or nearly always ("level"); else ""."""
+    lowest = (landmarks.points() @ _AXES[UP_AXES.index(axis)]).min(axis=-1) / landmarks.leg_length()
+    low, middle, high = np.quantile(lowest, (0.05, 0.5, 0.95))
+    if not _SUNK < middle < _FLOOR:
+        return ""
+    return "level" if high - low < _FLOOR else "near"
+
+
+def is_own(take: Take) -> bool:
+    """Whether a take is on the rig that `motionseek export` writes as BVH, which is Y up."""
+    joints = [joint for joint, name in enumerate(take.names) if not name.endswith("_end")]
+    if sorted(take.names[joint] for joint in joints) != sorted(JOINTS) or not take.rest.any():
+        return False
+    bones = np.where(take.parents[:, None] < 0, 0.0, take.rest - take.rest[take.parents])
+    lengths = np.linalg.norm(bones[joints], axis=-1)
+    wanted = BONE_LENGTHS[[INDEX[take.names[joint]] for joint in joints]]
+    head, pelvis = (take.rest[take.names.index(name)] for name in ("head", "pelvis"))
+    stands = bool(np.argmax(_AXES @ (head - pelvis)) == UP_AXES.index("y"))
+    return stands and bool(np.allclose(lengths / lengths.sum(), wanted / wanted.sum(), rtol=0, atol=1e-5))
 
 
 def is_mirrored(landmarks: Landmarks, rest: Landmarks) -> bool:

@@ -14,7 +14,7 @@ from encoders.motion import FPS, Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import SIDES, map_rig
-from indexer.rigs.orientation import orientation
+from indexer.rigs.orientation import Up, is_own, orientation, up_axis
 from indexer.rigs.rebuild import ARM, LEG, build, rebuild
 from indexer.rigs.rest_pose import rest_pose_correction
 from indexer.take import Take
@@ -73,7 +73,8 @@ def retarget(
     _check_bones(path, landmarks)
     at = _grid(len(landmarks), rate)
     landmarks = landmarks.sampled(at)
-    matrix = orientation(landmarks, rest)
+    up = Up("y", "by definition") if is_own(take) else up_axis(landmarks, rest, take.up, is_certain=take.up_is_certain)
+    matrix = orientation(up.axis, landmarks, rest)
     scale = LEG_LENGTH / landmarks.leg_length()
     if take.names == JOINTS and not joint_map:
         joints = rebuild(interpolate(take.positions[posing:], at) @ matrix.T, scale)

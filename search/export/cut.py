@@ -55,7 +55,7 @@ def _write_bvh(file: IO[bytes], motion: Motion) -> None:
 
 
 def _write_npz(file: IO[bytes], motion: Motion) -> None:
-    np.savez_compressed(file, joints=motion.joints, fps=np.float64(motion.fps))
+    np.savez_compressed(file, joints=motion.joints, fps=np.float64(motion.fps), up=np.array("y"))
 
 
 def _write_npy(file: IO[bytes], motion: Motion) -> None:
