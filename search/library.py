@@ -311,8 +311,7 @@ class Library(StoredLibrary):
 
     def allowed(self, **filters: Unpack[FilterArguments]) -> Ids | None:
         """The ids of the clips that pass the filters, sorted; None for all."""
-        condition, values = Filters.of(filters).where()
-        return self.ids(condition, values) if condition else None
+        return Filters.of(filters).ids(self)
 
     def _writable(self) -> Path:
         """The folder, unless the library is closed."""

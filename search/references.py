@@ -8,6 +8,7 @@ from os import PathLike, fspath
 from os.path import exists, isdir, isfile
 from pathlib import Path
 from typing import Any, TypeAlias
+from unicodedata import normalize
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,8 +157,9 @@ def _suggestion(library: StoredLibrary, ref: str) -> str:
     clips = library.clips_by_id(library.ids()[:_NAMES_COMPARED]).values()
     if ref.isdigit() and int(ref) in (clip.id for clip in clips):
         return f"; did you mean '#{ref}'?"
-    near_names = get_close_matches(ref, {name for clip in clips for name in (clip.path, clip.name)}, n=3)
-    near_clips = [clip for name in near_names for clip in clips if name in (clip.path, clip.name)]
+    names = {clip: (normalize("NFC", clip.path), normalize("NFC", clip.name)) for clip in clips}
+    near_names = get_close_matches(normalize("NFC", ref), {name for both in names.values() for name in both}, n=3)
+    near_clips = [clip for name in near_names for clip in clips if name in names[clip]]
     near = list(dict.fromkeys(library.reference(clip.root_name, clip.path) for clip in near_clips))[:_SUGGESTED]
     missing = "" if ref.startswith("#") else ", and no such file"
     return f"{missing}; did you mean {' or '.join(near)}?" if near else missing

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from encoders.arguments import shown
 from indexer.store.captions import CaptionRow
 
 MAX_TEXT = 2000
@@ -131,10 +132,10 @@ def _number(record: Mapping[str, Any], name: str) -> float | None:
         return None
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):  # an integer of JSON may have hundreds of digits
         number = math.nan
     if isinstance(value, bool) or not math.isfinite(number):
-        raise ValueError(f"{name} {value!r} is no number")
+        raise ValueError(f"{name} {shown(value)} is no number")
     return number
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
+from unicodedata import normalize
 
-from indexer.ingest.scan import Folder
+from indexer.ingest.scan import Scan
 from indexer.store import read_options
 from indexer.store.files import INDEXED, File, FileVersion, KnownFile
 from indexer.store.read_options import ReadOptions
@@ -51,8 +53,9 @@ class Changes:
     ----------
     read : list of FileVersion
         New and changed files.
-    unreadable : list of (FileVersion, reason)
-        Files that cannot be opened.
+    unread : list of (path, reason)
+        Files that cannot be opened now. Nothing of them is recorded, so that they are tried again at the next run; a
+        clip that is known stays as it was.
     moved : list of (file id, root id, File)
         Files that lie elsewhere than before, or are back.
     touched : list of (file id, File)
@@ -64,7 +67,7 @@ class Changes:
     """
 
     read: list[FileVersion] = field(default_factory=list)
-    unreadable: list[tuple[FileVersion, str]] = field(default_factory=list)
+    unread: list[tuple[str, str]] = field(default_factory=list)
     moved: list[tuple[int, int, File]] = field(default_factory=list)
     touched: list[tuple[int, File]] = field(default_factory=list)
     gone: list[KnownFile] = field(default_factory=list)
@@ -83,7 +86,7 @@ def compare(
     writer: Writer,
     root: Path,
     root_id: int,
-    folders: list[Folder],
+    scan: Scan,
     motions: list[File],
     requested: RequestedOptions,
     rates: Mapping[str, float],
@@ -95,14 +98,19 @@ def compare(
     requested : RequestedOptions
         How files are to be read.
     rates : mapping
-        Path -> frame rate stated by a captions table, which takes precedence over the one requested.
+        Path in Unicode's composed form -> frame rate stated by a captions table, which takes precedence over the one
+        requested.
     """
     changes = Changes()
     known = writer.known(root_id)
     found = {file.path for file in motions}
     taken: set[int] = set()
+
+    def has_left(path: str) -> bool:
+        return path not in found and not scan.may_hold(path)
+
     for file in motions:
-        rate = rates.get(file.path)
+        rate = rates.get(normalize("NFC", file.path))
         old = known.get(file.path)
         options = requested.for_file(rate, None if old is None else old.options)
         again = old is None or old.options != options or (requested.retry and old.state != INDEXED)
@@ -112,8 +120,7 @@ def compare(
         try:
             source = FileVersion(root_id, file, file.hash(root), options)
         except OSError as error:
-            reason = (error.strerror or str(error)).lower()
-            changes.unreadable.append((FileVersion(root_id, file, "", options), reason))
+            changes.unread.append((file.path, (error.strerror or str(error)).lower()))
             continue
         if old is not None and not again and old.hash == source.hash:
             changes.touched.append((old.id, file))
@@ -121,37 +128,51 @@ def compare(
             continue
         origin = None
         if old is None or old.state != INDEXED:
-            origin = _origin(writer, source, found, taken, requested, rate)
+            origin = _origin(writer, source, has_left, taken, partial(requested.for_file, rate))
         if origin is None:
             changes.read.append(source)
         else:
             taken.add(origin)
             changes.moved.append((origin, root_id, file))
-    unlistable = tuple(folder.path + "/" for folder in folders if folder.error)
-    changes.gone = [
-        old
-        for path, old in known.items()
-        if path not in found and old.id not in taken and not path.startswith(unlistable)
-    ]
+    changes.gone = [old for path, old in known.items() if old.id not in taken and has_left(path)]
     return changes
 
 
 def _origin(
     writer: Writer,
     source: FileVersion,
-    found: set[str],
+    has_left: Callable[[str], bool],
     taken: set[int],
-    requested: RequestedOptions,
-    rate: float | None,
+    options: Callable[[ReadOptions], ReadOptions],
 ) -> int | None:
-    """The file that has moved here: of the same content, to be read as it was, and no longer where it was."""
-    for file_id, root_id, path, state, options in writer.same_content(source.hash):
-        if file_id in taken or requested.for_file(rate, options) != options:
+    """The file that has moved here: of the same content, to be read as it was, and no longer where it was.
+
+    Parameters
+    ----------
+    has_left : callable
+        Whether a path of the same root holds nothing any more.
+    options : callable
+        The options for the file, given those it was read with before.
+    """
+    for file_id, root_id, path, state, before in writer.same_content(source.hash):
+        if file_id in taken or options(before) != before:
             continue
-        here = root_id == source.root_id
-        if state != INDEXED or (path not in found if here else not os.path.lexists(writer.root_path(root_id) / path)):
+        if state != INDEXED or (has_left(path) if root_id == source.root_id else _has_left(writer, root_id, path)):
             return file_id
     return None
+
+
+def _has_left(writer: Writer, root_id: int, path: str) -> bool:
+    """Whether another root, which is there, holds no such file; False where that cannot be told."""
+    root = writer.root_path(root_id)
+    try:
+        os.stat(root)
+        os.lstat(root / path)
+    except (FileNotFoundError, NotADirectoryError):
+        return os.path.isdir(root)
+    except OSError:
+        pass
+    return False
 
 
 def record(writer: Writer, changes: Changes) -> None:
@@ -161,5 +182,3 @@ def record(writer: Writer, changes: Changes) -> None:
     for file_id, root_id, file in changes.moved:
         writer.move(file_id, root_id, file)
     writer.gone(known.id for known in changes.gone)
-    for source, reason in changes.unreadable:
-        writer.fail(source, reason)

@@ -208,25 +208,35 @@ def _update(
 ) -> tuple[SideFileChanges, Changes]:
     """Walk one folder and record captions, moves and losses; what is to be read is among what is returned."""
     try:
-        folders = list(walk(root, summary.warnings.append))
+        scan = walk(root)
     except OSError as error:
         raise LibraryError(f"{root}: cannot be listed ({error.strerror}), so nothing was changed") from error
-    if not writer.folder.is_relative_to(root) and not any(folder.files for folder in folders) and writer.known(root_id):
+    holds_files = any(folder.files for folder in scan.folders) or scan.unread
+    if not holds_files and not writer.folder.is_relative_to(root) and writer.known(root_id):
         raise LibraryError(f"{root}: is empty, so nothing was changed; is its drive connected?")
-    motions = {folder.path: folder.motions() for folder in folders}
-    found_beside = [pair for folder in folders for pair in folder.side_files(motions[folder.path])]
+    motions = {folder.path: folder.motions() for folder in scan.folders}
+    found_beside = [pair for folder in scan.folders for pair in folder.side_files(motions[folder.path])]
+    found = [file for files in motions.values() for file in files]
     with writer.batch():
-        beside = side_files.update(writer.connection, root, root_id, found_beside, summary.warnings.append)
+        beside = side_files.update(
+            writer.connection,
+            root,
+            root_id,
+            found_beside,
+            [file.path for file in found],
+            scan.may_hold,
+            summary.warnings.append,
+        )
         rates = stated_rates(writer.connection, root_id, without=beside.vanished)
-        found = [file for files in motions.values() for file in files]
-        changes = compare(writer, root, root_id, folders, found, requested, rates)
+        changes = compare(writer, root, root_id, scan, found, requested, rates)
         record(writer, changes)
         remove_side_files(writer.connection, beside.vanished)
     summary.unchanged += changes.unchanged
     summary.failed_before += changes.failed_before
     summary.moved += len(changes.moved)
     summary.gone += sum(known.state == INDEXED for known in changes.gone)
-    summary.failed += [(str(root / source.file.path), reason) for source, reason in changes.unreadable]
+    summary.failed += scan.failed + [(str(root / path), reason) for path, reason in changes.unread]
+    summary.warnings += scan.warnings
     return beside, changes
 
 

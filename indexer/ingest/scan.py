@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import os
-from collections.abc import Callable, Iterator
+import stat
+from collections import defaultdict
 from dataclasses import dataclass, field
 from pathlib import Path
-from posixpath import basename, splitext
+from posixpath import basename, dirname, splitext
+from unicodedata import normalize
 
 from encoders.arguments import is_text
 from indexer.formats import table
@@ -17,15 +20,21 @@ TABLES = frozenset({"captions.csv", "captions.tsv", "captions.jsonl"})
 LINES = ".txt"
 #: The folders of a library, beside its file.
 _OF_LIBRARY = frozenset({"vectors", "previews"})
+#: The integers that SQLite can hold; a time after the year 2262 is none of them.
+_LARGEST = 2**63 - 1
+
+_OTHER_NAME = "lead to what is indexed under another name, and are passed over"
+_LOOP = "lead back to a folder around them, and are passed over"
+_BROKEN = "lead to nothing that is there; the clips they led to are left as they were"
+_ENCODING = "have names that are not UTF-8, and are passed over; rename them"
 
 
 @dataclass
 class Folder:
-    """One folder's regular files; `error` says why it could not be listed."""
+    """One folder's files, links to files among them."""
 
     path: str
     files: list[File] = field(default_factory=list)
-    error: str = ""
 
     def motions(self) -> list[File]:
         """The files that are motions by their ending, each with the companions it may need."""
@@ -41,8 +50,8 @@ class Folder:
         """The side files, each with the paths of the motions beside it; none for a table, which names them."""
         named: dict[str, list[str]] = {}
         for motion in motions:
-            named.setdefault(motion.stem, []).append(motion.path)
-        about = {file.path: named.get(file.stem, []) for file in self.files if file.ending == LINES}
+            named.setdefault(normalize("NFC", motion.stem), []).append(motion.path)
+        about = {file.path: named.get(normalize("NFC", file.stem), []) for file in self.files if file.ending == LINES}
         return [
             (file, about.get(file.path, []))
             for file in self.files
@@ -50,51 +59,176 @@ class Folder:
         ]
 
 
-def walk(root: Path, warn: Callable[[str], None]) -> Iterator[Folder]:
-    """Every folder under `root`, parents first, in order of names.
+@dataclass
+class Scan:
+    """What was found under a root.
+
+    Attributes
+    ----------
+    folders : list of Folder
+        Parents first, in order of names.
+    unread : list of str
+        Files and folders that are there but cannot be looked at now: nothing is known of them and of what they hold.
+    failed : list of (path, reason)
+        Why; what passes by itself, or once somebody gives the permission.
+    warnings : list of str
+        What was passed over.
+    """
+
+    folders: list[Folder] = field(default_factory=list)
+    unread: list[str] = field(default_factory=list)
+    failed: list[tuple[str, str]] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    def may_hold(self, path: str) -> bool:
+        """Whether a file that was not found may still be there."""
+        return path.startswith(tuple(f"{place}/" for place in self.unread)) or path in self.unread
+
+
+def walk(root: Path) -> Scan:
+    """Every folder under `root`.
 
     Hidden files and folders are skipped, and those in which a library keeps its vectors and previews. Symbolic links
-    are not followed, with a warning where they may be meant.
+    are followed, also out of the root, and what they lead to has the link's own path. A motion or a folder that several
+    paths lead to is taken once, under its own path where that is not hidden.
 
     Raises
     ------
     OSError
-        If `root` itself cannot be listed.
+        If `root` itself cannot be listed or entered.
     """
-    waiting = [""]
-    while waiting:
-        folder = Folder(waiting.pop())
-        try:
-            with os.scandir(root / folder.path) as entries:
-                found = sorted(entries, key=lambda entry: entry.name)
-        except OSError as error:
-            if not folder.path:
-                raise
-            folder.error = error.strerror or str(error)
-            warn(f"{root / folder.path}: cannot be listed ({folder.error}); its clips are left as they were")
-            found = []
-        inner = []
+    walking = _Walk(root)
+    walking.tree("", walking.real_root)
+    while walking.links:
+        links, walking.links = walking.links, []
+        for link in links:
+            walking.follow(*link)
+    return walking.found()
+
+
+def list_folder(folder: Path) -> Folder:
+    """The files of one folder, as `walk` finds them; raises OSError if it cannot be listed."""
+    walking = _Walk(folder)
+    walking.read_folder("", walking.real_root)
+    for link in walking.links:
+        walking.follow(*link, only_files=True)
+    return walking.folders[""]
+
+
+class _Walk:
+    """The state of a walk: links are followed when all that lies in the folder itself is known."""
+
+    def __init__(self, root: Path) -> None:
+        self.root, self.real_root = root, os.path.realpath(root)
+        self.folders: dict[str, Folder] = {}
+        #: Links that wait: path, and the real path of the folder it lies in.
+        self.links: list[tuple[str, str]] = []
+        self._scan = Scan()
+        self._real: set[str] = set()
+        self._motions: set[tuple[int, int]] = set()
+        self._remarks: dict[str, list[str]] = defaultdict(list)
+
+    def tree(self, path: str, real: str) -> None:
+        """Walk a folder and those in it."""
+        waiting = [(path, real)]
+        while waiting:
+            path, real = waiting.pop()
+            if real in self._real:
+                self._remarks[_OTHER_NAME].append(path)
+                continue
+            try:
+                inner = self.read_folder(path, real)
+            except OSError as error:
+                if not path:
+                    raise
+                self._fail(path, "cannot be listed", error)
+                continue
+            waiting.extend((_join(path, name), os.path.join(real, name)) for name in reversed(inner))
+
+    def read_folder(self, path: str, real: str) -> list[str]:
+        """Note the files and links of a folder; the names of the folders in it."""
+        with os.scandir(self.root / path) as entries:
+            found = sorted(entries, key=lambda entry: entry.name)
+        os.stat(os.path.join(self.root, path, "."))  # a folder may be listed that cannot be entered
+        self._real.add(real)
+        self.folders[path] = Folder(path)
         own = _OF_LIBRARY if any(entry.name == FILE for entry in found) else frozenset()
+        inner = []
         for entry in found:
-            path = f"{folder.path}/{entry.name}" if folder.path else entry.name
+            inside = _join(path, entry.name)
             if entry.name.startswith("."):
                 continue
-            if not is_text(path):
-                warn(f"{os.fsencode(root / path).decode(errors='replace')}: the name is not UTF-8; rename it")
-            elif entry.is_symlink():
-                if entry.is_dir() or table.is_motion(splitext(path)[1].lower()):
-                    warn(f"{root / path}: symbolic links are not followed; index what it points to by its own path")
-            elif entry.is_dir(follow_symlinks=False):
-                if entry.name not in own:
-                    inner.append(path)
-            elif entry.is_file(follow_symlinks=False):
-                try:
-                    state = entry.stat(follow_symlinks=False)
-                except FileNotFoundError:
-                    continue  # it has vanished since it was listed
-                folder.files.append(File(path, state.st_size, state.st_mtime_ns))
-        yield folder
-        waiting.extend(reversed(inner))
+            if not is_text(inside):
+                self._remarks[_ENCODING].append(os.fsencode(inside).decode(errors="replace"))
+                continue
+            try:
+                if entry.is_symlink() or getattr(entry, "is_junction", bool)():
+                    self.links.append((inside, real))
+                elif entry.is_dir(follow_symlinks=False):
+                    if entry.name not in own:
+                        inner.append(entry.name)
+                elif entry.is_file(follow_symlinks=False):
+                    self._add(inside, entry.stat(follow_symlinks=False))
+            except FileNotFoundError:
+                continue  # it has vanished since it was listed
+            except OSError as error:
+                self._fail(inside, "cannot be looked at", error)
+        return inner
+
+    def follow(self, path: str, around: str, *, only_files: bool = False) -> None:
+        """Take what a link in the folder of the real path `around` leads to."""
+        try:
+            state = os.stat(self.root / path)
+        except OSError as error:
+            self._broken(path, error)
+            return
+        if stat.S_ISREG(state.st_mode):
+            if table.is_motion(splitext(path)[1].lower()) and (state.st_dev, state.st_ino) in self._motions:
+                self._remarks[_OTHER_NAME].append(path)
+            else:
+                self._add(path, state)
+        elif stat.S_ISDIR(state.st_mode) and not only_files:
+            real = os.path.realpath(self.root / path)
+            if Path(around).is_relative_to(real) or Path(self.real_root).is_relative_to(real):
+                self._remarks[_LOOP].append(path)
+            else:
+                self.tree(path, real)
+
+    def found(self) -> Scan:
+        """All that was found."""
+        scan = self._scan
+        scan.folders = sorted(self.folders.values(), key=lambda folder: folder.path.split("/"))
+        for folder in scan.folders:
+            folder.files.sort(key=lambda file: file.path)
+        for remark, paths in self._remarks.items():
+            kind = "entries" if remark == _ENCODING else "symbolic links"
+            scan.warnings.append(f"{self.root}: {len(paths)} {kind} {remark}; such as {sorted(paths)[0]}")
+        return scan
+
+    def _add(self, path: str, state: os.stat_result) -> None:
+        time = max(-_LARGEST, min(state.st_mtime_ns, _LARGEST))
+        file = File(path, state.st_size, time)
+        self.folders[dirname(path)].files.append(file)
+        if state.st_ino and table.is_motion(file.ending):
+            self._motions.add((state.st_dev, state.st_ino))
+
+    def _broken(self, path: str, error: OSError) -> None:
+        if error.errno == errno.ELOOP:
+            self._remarks[_LOOP].append(path)
+        elif error.errno in (errno.ENOENT, errno.ENOTDIR):
+            self._remarks[_BROKEN].append(path)
+            self._scan.unread.append(path)
+        else:
+            self._fail(path, "cannot be looked at", error)
+
+    def _fail(self, path: str, what: str, error: OSError) -> None:
+        reason = error.strerror or str(error)
+        self._scan.unread.append(path)
+        self._scan.failed.append((str(self.root / path), f"{what} ({reason}); its clips are left as they were"))
+
+
+def _join(folder: str, name: str) -> str:
+    return f"{folder}/{name}" if folder else name
 
 
 def _with(file: File, others: list[File]) -> File:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import sqlite3
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
+from unicodedata import normalize
 
 from indexer.ingest.caption_files import Warn, read_lines, read_table
 from indexer.ingest.scan import TABLES
@@ -22,7 +24,13 @@ class SideFileChanges:
 
 
 def update(
-    db: sqlite3.Connection, root: Path, root_id: int, found: list[tuple[File, list[str]]], warn: Warn
+    db: sqlite3.Connection,
+    root: Path,
+    root_id: int,
+    found: list[tuple[File, list[str]]],
+    motions: Iterable[str],
+    may_hold: Callable[[str], bool],
+    warn: Warn,
 ) -> SideFileChanges:
     """Read the side files that are new or changed; unchanged ones are not opened.
 
@@ -30,7 +38,12 @@ def update(
     ----------
     found : list of (File, list of str)
         The side files of the root, each with the paths of the motions beside it.
+    motions : iterable of str
+        The paths of all motions of the root.
+    may_hold : callable
+        Whether a side file that was not found may still be at a path; its captions are then left as they were.
     """
+    on_disk = _spellings(motions)
     known = captions.side_files(db, root_id)
     changes = SideFileChanges()
     for file, targets in found:
@@ -39,7 +52,7 @@ def update(
             continue
         try:
             digest = file.hash(root)
-            rows = _read(root, file, targets, warn) if digest != old_hash else None
+            rows = _read(root, file, targets, on_disk, warn) if digest != old_hash else None
         except OSError as error:
             warn(f"{root / file.path}: {(error.strerror or str(error)).lower()}; its captions are left as they were")
             continue
@@ -47,7 +60,7 @@ def update(
         if rows is not None:
             captions.replace_of_side_file(db, root_id, file_id, rows)
             changes.read.append(file_id)
-    changes.vanished = [file_id for file_id, *_ in known.values()]
+    changes.vanished = [file_id for path, (file_id, *_) in known.items() if not may_hold(path)]
     return changes
 
 
@@ -62,9 +75,23 @@ def unmatched(db: sqlite3.Connection, root: Path, changes: SideFileChanges) -> l
     return warnings
 
 
-def _read(root: Path, file: File, targets: list[str], warn: Warn) -> list[CaptionRow]:
+def _spellings(paths: Iterable[str]) -> dict[str, str]:
+    """How paths are spelt on disk that Unicode spells in several ways: by their own spelling and the composed one."""
+    several = [path for path in paths if not path.isascii()]
+    return {normalize("NFC", path): path for path in several} | {path: path for path in several}
+
+
+def _read(root: Path, file: File, targets: list[str], on_disk: Mapping[str, str], warn: Warn) -> list[CaptionRow]:
     path = PurePosixPath(file.path)
     if path.name.lower() in TABLES:
         folder = "" if str(path.parent) == "." else str(path.parent)
-        return read_table(root / file.path, folder, warn)
+        return [_spelt(row, on_disk) for row in read_table(root / file.path, folder, warn)]
     return [CaptionRow(target, *caption) for caption in read_lines(root / file.path, warn) for target in targets]
+
+
+def _spelt(row: CaptionRow, on_disk: Mapping[str, str]) -> CaptionRow:
+    """A row that names its motion as it is spelt on disk; one that is not there yet, in composed form."""
+    if row.path.isascii():
+        return row
+    composed = normalize("NFC", row.path)
+    return replace(row, path=on_disk.get(row.path) or on_disk.get(composed, composed))

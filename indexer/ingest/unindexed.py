@@ -11,7 +11,7 @@ from encoders.motion import Motion
 from indexer.argument_checks import checked_rate
 from indexer.formats import table
 from indexer.ingest import worker
-from indexer.ingest.scan import walk
+from indexer.ingest.scan import list_folder
 from indexer.store.captions import stated_rate
 from indexer.store.files import File
 from indexer.store.read_options import ReadOptions
@@ -84,8 +84,7 @@ def _scanned(place: Path) -> File:
     """A file as indexing its folder would find it: with the companions that it may need."""
     row = table.READABLE.get(place.suffix.lower())
     if row is not None and row.companion is not None:
-        folder = next(walk(place.parent, lambda _: None))
-        found = [file for file in folder.motions() if file.path == place.name]
+        found = [file for file in list_folder(place.parent).motions() if file.path == place.name]
         if found:
             return found[0]
     return File(place.name, place.stat().st_size, place.stat().st_mtime_ns)

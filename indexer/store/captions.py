@@ -10,6 +10,7 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from unicodedata import normalize
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,11 +49,15 @@ def _record_change(db: sqlite3.Connection) -> None:
 
 
 def attach(db: sqlite3.Connection, clip_id: int, root_id: int, path: str, *, is_new: bool) -> None:
-    """Give a clip the captions that name its path and belong to no clip that is there."""
+    """Give a clip the captions that name its path and belong to no clip that is there.
+
+    Those of a motion that was not there when they were read name it in Unicode's composed form.
+    """
     attached = db.execute(
-        "UPDATE captions SET clip_id = ? WHERE root_id = ? AND path = ? AND (clip_id IS NULL OR clip_id IN "
+        "UPDATE captions SET clip_id = ?, path = ? WHERE root_id = ? AND path IN (?, ?) "
+        "AND (clip_id IS NULL OR clip_id IN "
         "(SELECT clips.id FROM clips JOIN files ON files.id = clips.file_id WHERE files.state = 'gone'))",
-        (clip_id, root_id, path),
+        (clip_id, path, root_id, path, normalize("NFC", path)),
     )
     if attached.rowcount and not is_new:
         _record_change(db)
@@ -117,19 +122,19 @@ def record_side_file(db: sqlite3.Connection, root_id: int, file: File, digest: s
 
 
 def stated_rates(db: sqlite3.Connection, root_id: int, *, without: Iterable[int] = ()) -> dict[str, float]:
-    """Path -> frame rate, as the captions tables of a root state it; `without` some side files."""
+    """Path in composed form -> frame rate, as the captions tables of a root state it; `without` some side files."""
     left_out = set(without)
     rows = db.execute(
         "SELECT path, fps, side_file_id FROM captions WHERE root_id = ? AND fps IS NOT NULL ORDER BY id", (root_id,)
     )
-    return {path: fps for path, fps, file_id in rows if file_id not in left_out}
+    return {normalize("NFC", path): fps for path, fps, file_id in rows if file_id not in left_out}
 
 
 def stated_rate(db: sqlite3.Connection, root_id: int, path: str) -> float | None:
     """The frame rate that a captions table states for one file, the last one where there are several."""
     row = db.execute(
-        "SELECT fps FROM captions WHERE root_id = ? AND path = ? AND fps IS NOT NULL ORDER BY id DESC LIMIT 1",
-        (root_id, path),
+        "SELECT fps FROM captions WHERE root_id = ? AND path IN (?, ?) AND fps IS NOT NULL ORDER BY id DESC LIMIT 1",
+        (root_id, path, normalize("NFC", path)),
     ).fetchone()
     return None if row is None else float(row[0])
 

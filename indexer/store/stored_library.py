@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import sqlite3
 import threading
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from os import PathLike, fspath
 from os.path import isfile
 from pathlib import Path, PurePath, PurePosixPath
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
+from unicodedata import normalize
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,6 +129,8 @@ class StoredLibrary:
         found: sqlite3.Connection | None = getattr(self._local, "connection", None)
         if found is None:
             found = self._local.connection = schema.connect(self.folder / FILE, writable=False)
+            found.create_function("nfc", 1, composed, deterministic=True)
+            found.create_function("folded", 1, folded, deterministic=True)
             self._connections.append(found)
         return found
 
@@ -274,7 +277,7 @@ class StoredLibrary:
         """The clips that a reference may mean, of the first reading that gives any.
 
         "#12"; the name of a root and a path in it, where there are several roots; a path in a root; an absolute path;
-        a name.
+        a name. Where none is spelt so, the composed and decomposed forms of Unicode are one.
         """
         text = fspath(ref) if isinstance(ref, (str, PathLike)) else None
         if not isinstance(text, str):
@@ -283,23 +286,37 @@ class StoredLibrary:
             return []
         if text.startswith("#") and text[1:].isdecimal() and len(text) <= len(str(_LARGEST_ID)):
             return list(self.clips_by_id([int(text[1:])]).values())
-        roots, path, place = self._roots(), PurePosixPath(text.replace("\\", "/")), Path(text).absolute().resolve()
-        named = {key: PurePosixPath(name) for key, name in root_names(roots).items()} if len(roots) > 1 else {}
+        return self._named(text, str, "{}") or ([] if text.isascii() else self._named(text, composed, "nfc({})"))
+
+    def _named(self, text: str, spelt: Callable[[str], str], column: str) -> list[Clip]:
+        """As `matches`, of a path or name; paths and columns are compared as spelt in one way."""
+        text, roots = spelt(text), self._roots()
+        path, place = PurePosixPath(text.replace("\\", "/")), Path(spelt(str(Path(text).absolute().resolve())))
+        names = root_names(roots) if len(roots) > 1 else {}
+        named = {key: PurePosixPath(spelt(name)) for key, name in names.items()}
+        placed = {key: Path(spelt(str(root))) for key, root in roots.items()}
+        paths = column.format("files.path")
         return (
-            self._below(named, path)
-            or self._select("files.path = ?", [path.as_posix()])
-            or self._below(roots, place)
-            or self._select("clips.name = ?", [text])
+            self._below(named, path, paths)
+            or self._select(f"{paths} = ?", [path.as_posix()])
+            or self._below(placed, place, paths)
+            or self._select(f"{column.format('clips.name')} = ?", [text])
         )
 
-    def _below(self, roots: Mapping[int, PurePath], path: PurePath) -> list[Clip]:
+    def _below(self, roots: Mapping[int, PurePath], path: PurePath, column: str) -> list[Clip]:
         """The clips at a path below roots; more than one where a root lies in another."""
         inside = [(key, path.relative_to(root).as_posix()) for key, root in roots.items() if path.is_relative_to(root)]
-        return [clip for place in inside for clip in self._select("files.root_id = ? AND files.path = ?", place)]
+        return [clip for place in inside for clip in self._select(f"files.root_id = ? AND {column} = ?", place)]
 
     def reference(self, root: str, path: str) -> str:
         """What `find` takes for a clip of a root: the path, after the root's name where there are several roots."""
         return f"{root}/{path}" if root and len(self._roots()) > 1 else path
+
+    def root_references(self) -> list[tuple[int, str]]:
+        """What may stand before a path in a root, with the root's id: its place, and its name if there are several."""
+        roots = self._roots()
+        names = root_names(roots).items() if len(roots) > 1 else ()
+        return [*names, *((key, root.as_posix()) for key, root in roots.items())]
 
     def motion(self, id: int, start: float | None = None, end: float | None = None) -> Motion:
         """The clip's motion, or a span of it in seconds, out of the stored poses.
@@ -426,6 +443,16 @@ def _one(connection: sqlite3.Connection, query: str) -> dict[str, Any] | None:
     cursor = connection.execute(query)
     row = cursor.fetchone()
     return None if row is None else dict(zip([column[0] for column in cursor.description], row, strict=True))
+
+
+def composed(text: str) -> str:
+    """A text with each character in Unicode's composed form, as most keyboards type it; Macs decompose names."""
+    return text if text.isascii() else normalize("NFC", text)
+
+
+def folded(text: str) -> str:
+    """A text in composed form, for comparisons that take no notice of case."""
+    return composed(text).casefold()
 
 
 def library_folder(folder: Path) -> Path | None:

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from indexer.store.stored_library import StoredLibrary
     from search.documents import Curve
     from search.hits import Hits
-    from search.library import Library
     from search.query.question import Question
 
 _HIT_COLUMNS = ("", "score", "strength", "start", "end", "clip", "caption")
@@ -144,8 +143,12 @@ def moments(
     *,
     as_json: bool,
     width: int = 80,
+    filters: Mapping[str, Any] | None = None,
 ) -> None:
-    """Print the moments of a question, with the similarity curve of the clip if they are of one."""
+    """Print the moments of a question, with the similarity curve of the clip if they are of one.
+
+    Where none is found, it is said which of the filters no clip passes.
+    """
     if as_json:
         from search.documents import moments_document
 
@@ -158,7 +161,8 @@ def moments(
         print(f" {question.how} ".join(f"'{text}'" for text in question.sentences))
     hits(found, str(question), library, as_json=False)
     if not found:
-        note("nothing found: no clip passes the filters, or the motion is too short for all steps")
+        why = "" if library is None else why_no_clips(library, filters or {})
+        note(why or "nothing found: the motion is too short for all steps")
     if not is_terminal():
         return  # piped lines have one format; the steps are in the JSON
     steps = [(str(h.rank), f"{s.score:.3f}", f"{s.start:.1f}", f"{s.end:.1f}", s.text) for h in found for s in h.steps]
@@ -166,10 +170,15 @@ def moments(
         table(("", "score", "start", "end", "step"), steps, right=("", "score", "start", "end"))
 
 
-def no_clips(library: Library, filters: Mapping[str, Any]) -> str:
+def no_clips(library: StoredLibrary, filters: Mapping[str, Any]) -> str:
     """Why there are no clips to show."""
+    return why_no_clips(library, filters) or "nothing found"
+
+
+def why_no_clips(library: StoredLibrary, filters: Mapping[str, Any]) -> str:
+    """Why no clip is looked at; empty where some are."""
     if len(library) == 0:
         return "the library is empty; put motion files into its folder and run 'motionseek index' again"
-    if any(value is not None for value in filters.values()):
-        return "no clip passes the filters"
-    return "nothing found"
+    from search.query.filters import Filters
+
+    return Filters.of(filters).why_none(library)

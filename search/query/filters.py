@@ -4,20 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
 
 from encoders.arguments import checked_flag, checked_text, optional_number
 from encoders.errors import ArgumentError
+from indexer.store.clips import LIVE
+from indexer.store.stored_library import StoredLibrary
+from search.query.path_filter import clips_at, nearest_paths
 
 #: Filter -> the SQL condition it stands for; the value is always bound, never pasted.
 _CONDITIONS = {
     "min_duration": "duration >= ?",
     "max_duration": "duration <= ?",
-    "path": "path GLOB ?",
     "rig": "rig = ?",
     "format": "format = ?",
 }
 _CAPTIONED = "clips.id IN (SELECT clip_id FROM captions WHERE clip_id IS NOT NULL AND text_id IS NOT NULL)"
+
+#: Values that an error suggests, at most.
+_SUGGESTED = 4
 
 
 class FilterArguments(TypedDict, total=False):
@@ -40,7 +49,8 @@ class Filters:
     min_duration, max_duration : float, optional
         Seconds.
     path : str, optional
-        A pattern for the path relative to its root: ``*`` any run of characters, ``?`` one, ``[ab]`` one of these.
+        A file or folder as it is called, or a pattern: ``*`` any run of characters, ``?`` one, ``[ab]`` one of these;
+        see `search.query.path_filter.clips_at`.
     rig, format : str, optional
         As `motionseek status` names them.
     captioned : bool, optional
@@ -91,8 +101,41 @@ class Filters:
         """The names of the filters that are given."""
         return [name for name in self.__dataclass_fields__ if getattr(self, name) is not None]
 
-    def where(self) -> tuple[str, tuple[Any, ...]]:
-        """The SQL condition on the table of clips and the values to bind; an empty condition for all clips."""
+    def ids(self, library: StoredLibrary) -> NDArray[np.int64] | None:
+        """The sorted ids of the clips that pass; None where no filter is given."""
+        condition, values = self._where()
+        passing = library.ids(condition, values) if condition else None
+        if self.path is None:
+            return passing
+        there = clips_at(library, self.path)
+        return there if passing is None else np.intersect1d(there, passing, assume_unique=True)
+
+    def why_none(self, library: StoredLibrary) -> str:
+        """Which filter no clip passes, and what there is; empty where some clip passes them all."""
+        for name in self.given:
+            found = Filters.of({name: getattr(self, name)}).ids(library)
+            if found is not None and not len(found):
+                return f"no clip passes {name}={getattr(self, name)!r}{self._what_there_is(name, library)}"
+        found = self.ids(library)
+        if found is None or len(found):
+            return ""
+        return f"no clip passes {' and '.join(self.given)} at once; each alone lets some through"
+
+    def _what_there_is(self, name: str, library: StoredLibrary) -> str:
+        if name == "path":
+            near = nearest_paths(library, self.path or "")
+            return f"; there are {', '.join(near)}" if near else ""
+        if name in ("rig", "format"):
+            counts = library.stats()[f"{name}s"]
+            near = get_close_matches(getattr(self, name), counts, n=_SUGGESTED) or list(counts)[:_SUGGESTED]
+            return f"; there are {', '.join(near)}{', ...' if len(counts) > len(near) else ''}"
+        if name == "captioned":
+            return "; no clip has a caption" if self.captioned else "; every clip has a caption"
+        shortest, longest = library.connection.execute(f"SELECT min(duration), max(duration) {LIVE}").fetchone()
+        return f"; clips last {shortest:.1f} to {longest:.1f} s"
+
+    def _where(self) -> tuple[str, tuple[Any, ...]]:
+        """The SQL condition of all filters but the path, and the values to bind; empty where there are none."""
         given = [name for name in self.given if name in _CONDITIONS]
         conditions = [_CONDITIONS[name] for name in given]
         if self.captioned is not None:

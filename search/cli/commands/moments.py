@@ -76,7 +76,7 @@ def moments(
             raise click.UsageError("--fps needs a CLIP")
         with options.open_library(folder) as library:
             found = library.answer(question, None, k, **filters)
-            terminal.moments(question, found, library, as_json=as_json)
+            terminal.moments(question, found, library, as_json=as_json, filters=filters)
         return
 
     from search.moments.one_motion import moments_of

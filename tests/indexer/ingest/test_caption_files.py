@@ -67,6 +67,7 @@ def test_lines_of_json(table):
         ("a.bvh,walks,-1,1,", "the end after the start"),
         ("a.bvh,walks,soon,3,", "start 'soon' is no number"),
         ("a.bvh,walks,nan,3,", "is no number"),
+        (f"a.bvh,walks,{'9' * 400},3,", "start '9999"),
         ("a.bvh,walks,,,0", "fps=0 is no frame rate"),
         ("a.bvh," + "x" * 3000 + ",,,", "3000 characters are more than 2000"),
     ],
@@ -81,7 +82,13 @@ def test_a_bad_row_is_reported_with_its_line_and_the_rest_is_read(table, line, r
 
 @pytest.mark.parametrize(
     ("line", "reason"),
-    [("{", "no JSON"), ("[1]", "is expected"), ('{"path": "a", "text": "b", "start": true, "end": 2}', "is no number")],
+    [
+        ("{", "no JSON"),
+        ("[1]", "is expected"),
+        ('{"path": "a", "text": "b", "start": true, "end": 2}', "is no number"),
+        ('{"path": "a", "text": "b", "start": %s, "end": 1}' % ("9" * 400), "start 9999"),
+        ('{"path": "a", "text": "b", "fps": %s}' % ("9" * 9000), "line 1"),
+    ],
 )
 def test_a_bad_line_of_json_is_reported(table, line, reason):
     rows, warnings = table(line + '\n{"path": "a.bvh", "text": "walks"}\n', "captions.jsonl")

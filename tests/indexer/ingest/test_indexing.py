@@ -184,7 +184,7 @@ def test_a_folder_that_cannot_be_listed_is_left_as_it_was(root, bundle):
     finally:
         (root / "day 1").chmod(0o755)
     assert summary.gone == 0
-    assert "cannot be listed" in summary.warnings[0]
+    assert "cannot be listed" in summary.failed[0][1]
 
 
 def test_what_an_unlisted_folder_held_is_not_gone(root, bundle, monkeypatch):
@@ -199,23 +199,19 @@ def test_what_an_unlisted_folder_held_is_not_gone(root, bundle, monkeypatch):
     monkeypatch.setattr(os, "scandir", refuse)
     summary = index(root, bundle=bundle)
     assert summary.gone == 0
-    assert "day 1: cannot be listed (Permission denied)" in summary.warnings[0]
+    assert [(Path(path).name, reason) for path, reason in summary.failed] == [
+        ("day 1", "cannot be listed (Permission denied); its clips are left as they were")
+    ]
     assert len(paths(root)) == 3
 
 
-def test_hidden_files_links_and_other_endings_are_passed_over(root, bundle, tmp_path):
+def test_hidden_files_and_other_endings_are_passed_over(root, bundle):
     write(root / ".hidden.npy", 5)
     write(root / ".cache" / "x.npy", 5)
-    write(tmp_path / "outside" / "o.npy", 5)
     (root / "picture.png").write_bytes(b"x")
     (root / "readme.txt").write_text("hello")
-    (root / "link.npy").symlink_to(root / "a.npy")
-    (root / "linked").symlink_to(tmp_path / "outside")
-    (root / "loop").symlink_to(root)
     summary = index(root, bundle=bundle)
-    assert counts(summary) == (3, 0, 0, 0, 0)
-    assert len(summary.warnings) == 3
-    assert all("symbolic links are not followed" in warning for warning in summary.warnings)
+    assert (counts(summary), summary.warnings) == ((3, 0, 0, 0, 0), [])
 
 
 def test_a_failure_is_recorded_and_tried_again_only_when_the_file_changed(root, bundle, read_here):

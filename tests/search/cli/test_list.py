@@ -36,7 +36,7 @@ def test_filters_choose_clips(indexed: Path, run: Run) -> None:
     assert [clip["path"] for clip in clips] == ["take 3.npy"]
     none = run("list", "--format", "exe", "--library", indexed)
     assert (none.code, none.out) == (0, "")
-    assert "no clip passes the filters" in none.err
+    assert "no clip passes format='exe'; there are npy, bvh" in none.err
 
 
 def test_files_of_one_name_are_told_apart(takes: Path, run: Run, tmp_path: Path) -> None:
