@@ -28,6 +28,10 @@ class MotionSeekError(Exception):
     """Any error a user can mend; its message says what is wrong, where, and what to do."""
 
 
+class MotionSeekWarning(UserWarning):
+    """What was done otherwise than asked, and why; issued by `warnings.warn`."""
+
+
 class UnreadableMotion(MotionSeekError):
     """A file holds no motion that can be read."""
 

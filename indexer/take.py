@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,10 @@ class Take:
         Whether that axis is up whatever the movement looks like.
     warnings : tuple of str
         What was left out, mended or taken for granted.
+    rotations : callable or None
+        Gives the rotations of the joints in the world, float array (T, J, 3, 3), which turn the bones of the rest pose
+        into those of a frame; only an export in the rig of the file asks for them. None where the file has positions
+        alone.
     """
 
     names: tuple[str, ...]
@@ -46,3 +51,4 @@ class Take:
     up: str | None = None
     up_is_certain: bool = False
     warnings: tuple[str, ...] = ()
+    rotations: Callable[[], NDArray[np.float64]] | None = field(default=None, repr=False, compare=False)

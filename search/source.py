@@ -16,7 +16,7 @@ from encoders.errors import QueryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.ingest.load import load_motion
-from indexer.ingest.unindexed import read_unindexed
+from indexer.ingest.unindexed import file_state, read_unindexed
 from indexer.store.clips import Caption, Clip
 from indexer.store.stored_library import StoredLibrary
 from search.hits import Hit, Step
@@ -100,6 +100,10 @@ class MotionSource:
     def captions(self) -> Sequence[Caption]:
         """Its captions in the library; none where no library holds it."""
         return () if self.library is None else self.library.captions(self.clip_id)
+
+    def stale(self) -> str:
+        """What became of its file since it was indexed: that it is gone or has changed; else empty."""
+        return "" if self.library is None or self.file is None else file_state(self.library, self.clip_id, self.file)
 
     def features(self, encoder: Encoder) -> NDArray[np.float32]:
         """The features (T', F) of the whole motion that a model reads."""

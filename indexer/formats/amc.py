@@ -184,7 +184,12 @@ def _take(
         tips[bone.name] = start_rest + (bone.offset if bone.parent else 0)
         if bone.is_last:
             add(f"{bone.name}_end", number[bone.name], tips[bone.name], tip)
-    return Take(tuple(names), np.array(parents), np.array(rest), np.stack(positions, axis=1), fps)
+    owners = [name if name in poses else names[parent] for name, parent in zip(names, parents, strict=True)]
+
+    def rotations() -> NDArray[np.float64]:
+        return np.stack([np.stack(poses[owner].axes, axis=-1).transpose(1, 0, 2) for owner in owners], axis=1)
+
+    return Take(tuple(names), np.array(parents), np.array(rest), np.stack(positions, axis=1), fps, rotations=rotations)
 
 
 def _move(start: Pose, bone: Bone, values: NDArray[np.float64], radians: bool) -> tuple[Pose, NDArray[np.float64]]:

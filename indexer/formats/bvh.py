@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from functools import partial
 from os import PathLike
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.errors import UnreadableMotion
-from indexer.formats.kinematics import Pose, tips, turn
+from indexer.formats.kinematics import Axes, Pose, tips, turn
 from indexer.formats.numbers import parse_numbers
 from indexer.take import Take
 
@@ -220,7 +221,25 @@ def _take(joints: list[_Joint], frames: NDArray[np.float64], fps: float) -> Take
             poses.append(_pose(parent, joint, bases[i], columns[firsts[i] : firsts[i + 1], block]))
             positions[i, :, block] = poses[i].position
     parents = np.array([joint.parent for joint in joints])
-    return Take(tuple(joint.name for joint in joints), parents, rest, positions.transpose(2, 0, 1), fps)
+    names = tuple(joint.name for joint in joints)
+    rotations = partial(_rotations, joints, columns)
+    return Take(names, parents, rest, positions.transpose(2, 0, 1), fps, rotations=rotations)
+
+
+def _rotations(joints: list[_Joint], columns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rotations of the joints in the world (T, J, 3, 3)."""
+    rotations = np.empty((columns.shape[1], len(joints), 3, 3))
+    done: list[Axes] = []
+    first = 0
+    for i, joint in enumerate(joints):
+        axes = done[joint.parent] if joint.parent >= 0 else Pose.identity(columns.shape[1]).axes
+        for kind, axis in joint.channels:
+            if kind == "r":
+                axes = turn(axes, "xyz".index(axis), np.deg2rad(columns[first]))
+            first += 1
+        done.append(axes)
+        rotations[:, i] = np.stack(axes, axis=-1).transpose(1, 0, 2)
+    return rotations
 
 
 def _base(joint: _Joint, values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -10,6 +10,7 @@ from typing import Any
 from encoders.motion import Motion
 from indexer.argument_checks import checked_rate
 from indexer.formats import table
+from indexer.formats.reading import split_name
 from indexer.ingest import worker
 from indexer.ingest.scan import list_folder
 from indexer.store.captions import stated_rate
@@ -46,6 +47,19 @@ def read_unindexed(library: StoredLibrary, path: Path, *, fps: float | None = No
         if rate is not None:
             motion, _ = worker.read(str(path), rate, None)
     return motion
+
+
+def file_state(library: StoredLibrary, clip: int, place: Path) -> str:
+    """What became of the file of a clip since it was indexed: that it is gone or has changed; else empty."""
+    row = library.connection.execute(
+        "SELECT size, mtime_ns, hash FROM files JOIN clips ON clips.file_id = files.id WHERE clips.id = ?", (clip,)
+    ).fetchone()
+    try:
+        file = _scanned(split_name(place)[0].resolve())
+        same = row is None or (file.size, file.mtime_ns) == row[:2] or file.hash(place.resolve().parent) == row[2]
+    except OSError:
+        return "is gone since it was indexed"
+    return "" if same else "has changed since it was indexed"
 
 
 def known_options(library: StoredLibrary, path: Path) -> ReadOptions | None:

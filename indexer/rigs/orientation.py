@@ -7,11 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from encoders.geometry import Array, unit
-from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import SIDES
 from indexer.rigs.rest_pose import standing_axes
-from indexer.take import UP_AXES, Take
+from indexer.take import UP_AXES
 
 #: Rotations that bring each of `UP_AXES` to +Y.
 _TO_Y = dict(
@@ -93,19 +92,6 @@ def _floor(landmarks: Landmarks, axis: str) -> str:
     if not _SUNK < middle < _FLOOR:
         return ""
     return "level" if high - low < _FLOOR else "near"
-
-
-def is_own(take: Take) -> bool:
-    """Whether a take is on the rig that `motionseek export` writes as BVH, which is Y up."""
-    joints = [joint for joint, name in enumerate(take.names) if not name.endswith("_end")]
-    if sorted(take.names[joint] for joint in joints) != sorted(JOINTS) or not take.rest.any():
-        return False
-    bones = np.where(take.parents[:, None] < 0, 0.0, take.rest - take.rest[take.parents])
-    lengths = np.linalg.norm(bones[joints], axis=-1)
-    wanted = BONE_LENGTHS[[INDEX[take.names[joint]] for joint in joints]]
-    head, pelvis = (take.rest[take.names.index(name)] for name in ("head", "pelvis"))
-    stands = bool(np.argmax(_AXES @ (head - pelvis)) == UP_AXES.index("y"))
-    return stands and bool(np.allclose(lengths / lengths.sum(), wanted / wanted.sum(), rtol=0, atol=1e-5))
 
 
 def is_mirrored(landmarks: Landmarks, rest: Landmarks) -> bool:

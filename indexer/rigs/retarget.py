@@ -13,8 +13,9 @@ from encoders.geometry import angle_between, interpolate
 from encoders.motion import FPS, Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS
 from indexer.rigs.landmarks import Landmarks
-from indexer.rigs.mapping import SIDES, map_rig
-from indexer.rigs.orientation import Up, is_own, orientation, up_axis
+from indexer.rigs.mapping import SIDES, RigMap, map_rig
+from indexer.rigs.orientation import orientation, up_axis
+from indexer.rigs.own_rig import as_own_rig
 from indexer.rigs.rebuild import ARM, LEG, build, rebuild
 from indexer.rigs.rest_pose import rest_pose_correction
 from indexer.take import Take
@@ -63,17 +64,18 @@ def retarget(
     UnknownRig
         Where hips, knees, ankles, shoulders, elbows, wrists or the head cannot be found.
     """
+    take = take if joint_map else as_own_rig(take)
     rig = map_rig(take, path, joint_map)
     rate = fps or take.fps or FPS
     _check_duration(path, len(take.positions) / rate)
     landmarks, rest = Landmarks.of(take.positions, rig), Landmarks.of(take.rest[None], rig)
-    posing = frames_before_movement(landmarks, rest, rate)
+    posing = frames_before_movement(take, rig, rate)
     if posing:
         landmarks, rest = landmarks[posing:], landmarks[:1]
     _check_bones(path, landmarks)
     at = _grid(len(landmarks), rate)
     landmarks = landmarks.sampled(at)
-    up = Up("y", "by definition") if is_own(take) else up_axis(landmarks, rest, take.up, is_certain=take.up_is_certain)
+    up = up_axis(landmarks, rest, take.up, is_certain=take.up_is_certain)
     matrix = orientation(up.axis, landmarks, rest)
     scale = LEG_LENGTH / landmarks.leg_length()
     if take.names == JOINTS and not joint_map:
@@ -110,16 +112,18 @@ def _grid(frames: int, rate: float) -> NDArray[np.float64]:
     return at
 
 
-def frames_before_movement(landmarks: Landmarks, rest: Landmarks, rate: float) -> int:
+def frames_before_movement(take: Take, rig: RigMap, rate: float) -> int:
     """How many first frames are no movement: a rest pose or T-pose, and the rush from there to the first real pose.
 
     No person moves all limbs so fast at once; programs do that put a bind pose before the recording and
-    smooth over the seam.
+    smooth over the seam. A cut that was exported has none.
     """
+    if take.names == JOINTS and take.up_is_certain:
+        return 0
+    landmarks, rest = Landmarks.of(take.positions[: round(rate) + 2], rig), Landmarks.of(take.rest[None], rig)
     size = max(landmarks.leg_length(), 1e-9)
-    opening = landmarks[: round(rate) + 2]
     both = [name for name in landmarks.marks if name in rest.marks]  # toes may be known in one alone
-    shapes = (opening.points(both) - opening.middle("hip")[:, None]) / size
+    shapes = (landmarks.points(both) - landmarks.middle("hip")[:, None]) / size
     at_rest = (rest.points(both) - rest.middle("hip")[:, None]) / size
     posed = np.linalg.norm(shapes - shapes[:1], axis=-1).mean(axis=-1) < _STILL
     count = len(posed) if posed.all() else int(posed.argmin())

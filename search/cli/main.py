@@ -9,11 +9,12 @@ import difflib
 import io
 import os
 import sys
+import warnings
 from importlib import import_module
 
 import click
 
-from encoders.errors import MotionSeekError, QueryError
+from encoders.errors import MotionSeekError, MotionSeekWarning, QueryError
 
 #: Command -> its module, which is imported when the command is run; --help lists them in this order.
 COMMANDS = {
@@ -77,7 +78,10 @@ def main(arguments: list[str] | None = None) -> None:
     given = sys.argv[1:] if arguments is None else arguments
     _open_streams()
     try:
-        code = _run([a for a in given if a != "--debug"], debug="--debug" in given)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", MotionSeekWarning)
+            warnings.showwarning = _show_warning
+            code = _run([a for a in given if a != "--debug"], debug="--debug" in given)
         sys.stdout.flush()
     except BrokenPipeError:
         # The reader closed the pipe; redirect stdout so that the interpreter's last flush raises nothing, either.
@@ -111,6 +115,11 @@ def _run(arguments: list[str], *, debug: bool) -> int:
             return _fail(f"motionseek: {_one_line(error)}", 2 if isinstance(error, QueryError) else 1)
         named = f"unexpected {type(error).__name__}: {_one_line(error)}"
         return _fail(f"motionseek: {named}; run again with --debug and report the traceback", 1)
+
+
+def _show_warning(message: Warning | str, category: type[Warning], *place: object, **more: object) -> None:
+    """Print a warning in one line to stderr, without the place in the code."""
+    click.echo(f"motionseek: {_one_line(message)}", err=True)
 
 
 def _fail(line: str, code: int) -> int:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from encoders.errors import ArgumentError, MissingProgram, QueryError
 from encoders.motion import Motion
 from search.drawing.raster import FLOOR, INK, QUIET, Stage
-from search.export.cut import replacing
+from search.export.replacing import replacing
 
 if TYPE_CHECKING:
     from PIL.Image import Image

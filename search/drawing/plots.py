@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from encoders.drawing.capsules import CAPSULES, RADII, TINTS, VIEW, capsules, heading, view_axes
 from encoders.errors import QueryError
 from encoders.motion import Motion
+from search.export.replacing import replacing
 from search.hits import Hit
 from search.query.question import Question
 from search.source import MotionSource
@@ -131,7 +132,8 @@ def refuse_format(path: Path) -> None:
 
 def _save(figure: Figure, path: Path) -> None:
     refuse_format(path)
-    figure.savefig(path, dpi=130, format=path.suffix[1:].lower())
+    with replacing(path) as file:
+        figure.savefig(file, dpi=130, format=path.suffix[1:].lower())
 
 
 def _poses(

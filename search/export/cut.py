@@ -1,28 +1,69 @@
-"""A cut of a motion as a file: the source's own BVH lines, or the 22 joints."""
+"""A motion, or a cut of it, as a file: in the rig of its source, of another file, or on the 22 joints."""
 
 from __future__ import annotations
 
 import os
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
 import numpy as np
 
 from encoders.arguments import checked_flag, checked_path
-from encoders.errors import ArgumentError, MotionSeekError, QueryError
+from encoders.errors import ArgumentError, MotionSeekWarning, QueryError
 from encoders.motion import Motion
-from indexer.formats.reading import is_of_format
+from indexer.formats.opening import read_bytes
+from indexer.formats.reading import is_of_format, split_name
 from search.export import bvh_writer
+from search.export.bvh_cut import cut_lines
+from search.export.posed_rig import posed_rig
+from search.export.replacing import replacing
+from search.export.source_rig import SourceRig
 from search.source import MotionSource
+
+#: Frame rates that can be written.
+RATES = (1.0, 1000.0)
+
+
+@dataclass(frozen=True)
+class WriteOptions:
+    """How a motion is written.
+
+    Attributes
+    ----------
+    fps : float or None
+        Frames a second; None for those of what is written.
+    in_place : bool
+        Without the way the hips travel over the floor.
+    """
+
+    fps: float | None = None
+    in_place: bool = False
 
 
 def write_cut(
-    source: MotionSource, out: Path, start: float | None = None, end: float | None = None
+    source: MotionSource,
+    out: Path,
+    start: float | None = None,
+    end: float | None = None,
+    *,
+    fps: float | None = None,
+    in_place: bool = False,
 ) -> tuple[int, float]:
     """Write a motion, or its cut from `start` to `end` in seconds, in the format that the ending of `out` names.
+
+    A .bvh keeps rig and frame rate of the source where that has a rig with rotations; a cut of a BVH file is its own
+    lines. A source that is gone or has changed since it was indexed is written from the library's poses, with a
+    `MotionSeekWarning`.
+
+    Parameters
+    ----------
+    fps : float, optional
+        Frames a second of what is written; else those of the source's rig, or 20.
+    in_place : bool
+        Leave out the way that the hips travel over the floor.
 
     Returns
     -------
@@ -35,35 +76,88 @@ def write_cut(
     QueryError
         If the cut lies outside the motion, the ending names no format that can be written, or `out` is the source.
     """
-    if source.file is not None and os.path.exists(out) and out.samefile(source.file):
+    if source.file is not None and os.path.exists(out) and os.path.exists(source.file) and out.samefile(source.file):
         raise QueryError(f"{out} is the clip itself; name another file, its source would be lost")
     motion = source.cut(start, end)
     writer = WRITERS.get(out.suffix.lower())
     if writer is None:
         raise QueryError(f"{out}: can write {', '.join(WRITERS)}")
-    if writer is _write_bvh and source.file is not None and is_of_format(source.file, ".bvh"):
-        first = max(start or 0.0, 0.0)
-        with replacing(out) as file:
-            return bvh_writer.cut(source.file, file, first, first + motion.duration, duration=source.duration)
+    stale = source.stale()
+    if stale:
+        warnings.warn(f"{source.path} {stale}; the poses in the library are written", MotionSeekWarning, stacklevel=2)
+    options = WriteOptions(fps, in_place)
+    if writer is _write_bvh and not stale and source.file is not None:
+        frames = _in_source_rig(source, source.file, out, max(start or 0.0, 0.0), motion.duration, options)
+        if frames is not None:
+            return frames
     with replacing(out) as file:
-        writer(file, motion)
+        return writer(file, motion, options)
+
+
+def _in_source_rig(
+    source: MotionSource, path: Path, out: Path, start: float, seconds: float, options: WriteOptions
+) -> tuple[int, float] | None:
+    """Write a cut of a file in the file's own rig; None where it has none."""
+    rig = SourceRig.of(path, source.duration)
+    first, count = rig.span(start, seconds)
+    file, part = split_name(path)
+    if options == WriteOptions() and not part and not rig.take.warnings and is_of_format(file, ".bvh"):
+        text = cut_lines(read_bytes(file), len(rig.take.positions), first, count, rig.fps)
+        if text is not None:
+            with replacing(out) as written:
+                written.write(text)
+            return count, rig.fps
+    motion = rig.motion(first, count)
+    if motion is None:
+        return None
+    motion = rig.in_place(motion, first) if options.in_place else motion
+    motion = motion.resampled(options.fps or motion.fps)
+    with replacing(out) as written:
+        bvh_writer.write_rig(written, motion)
     return len(motion), motion.fps
 
 
-def _write_bvh(file: IO[bytes], motion: Motion) -> None:
-    bvh_writer.write(file, motion)
+def _write_bvh(file: IO[bytes], motion: Motion, options: WriteOptions) -> tuple[int, float]:
+    rig = posed_rig(_placed(motion, options))
+    rig = rig.resampled(options.fps or rig.fps)
+    bvh_writer.write_rig(file, rig.scaled(bvh_writer.CENTIMETRES))
+    return len(rig), rig.fps
 
 
-def _write_npz(file: IO[bytes], motion: Motion) -> None:
+def _write_npz(file: IO[bytes], motion: Motion, options: WriteOptions) -> tuple[int, float]:
+    motion = _resampled(_placed(motion, options), options)
     np.savez_compressed(file, joints=motion.joints, fps=np.float64(motion.fps), up=np.array("y"))
+    return len(motion), motion.fps
 
 
-def _write_npy(file: IO[bytes], motion: Motion) -> None:
+def _write_npy(file: IO[bytes], motion: Motion, options: WriteOptions) -> tuple[int, float]:
+    motion = _resampled(_placed(motion, options), options)
     np.save(file, motion.joints)
+    return len(motion), motion.fps
 
 
 #: Ending -> what writes it.
-WRITERS: dict[str, Callable[[IO[bytes], Motion], None]] = {".bvh": _write_bvh, ".npz": _write_npz, ".npy": _write_npy}
+WRITERS: dict[str, Callable[[IO[bytes], Motion, WriteOptions], tuple[int, float]]] = {
+    ".bvh": _write_bvh,
+    ".npz": _write_npz,
+    ".npy": _write_npy,
+}
+
+
+def _placed(motion: Motion, options: WriteOptions) -> Motion:
+    """The motion, in place where that is wanted."""
+    if not options.in_place:
+        return motion
+    way = motion.joints[:, :1] - motion.joints[:1, :1]
+    return Motion(motion.joints - way * np.array([1, 0, 1], np.float32), motion.fps)
+
+
+def _resampled(motion: Motion, options: WriteOptions) -> Motion:
+    """The motion at the wanted rate, bones as long as before."""
+    if options.fps is None or options.fps == motion.fps:
+        return motion
+    rig = posed_rig(motion).resampled(options.fps)
+    return Motion(rig.positions[:, : motion.joints.shape[1]].astype(np.float32), options.fps)
 
 
 def writable(out: str | os.PathLike[str], overwrite: bool) -> Path:
@@ -82,34 +176,3 @@ def writable(out: str | os.PathLike[str], overwrite: bool) -> Path:
     if os.path.exists(path) and not overwrite:
         raise ArgumentError(f"{path} exists; overwrite it with overwrite=True")
     return path
-
-
-@contextmanager
-def replacing(out: Path) -> Iterator[IO[bytes]]:
-    """A file that takes the place of `out` once it is whole.
-
-    Raises
-    ------
-    MotionSeekError
-        If the system cannot write it.
-    """
-    try:
-        with _replacing(out) as file:
-            yield file
-    except OSError as error:
-        raise MotionSeekError(f"{out}: cannot be written ({error.strerror or error})") from error
-
-
-@contextmanager
-def _replacing(out: Path) -> Iterator[IO[bytes]]:
-    handle, name = tempfile.mkstemp(dir=out.absolute().parent, prefix=f".{out.name[:40]}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            yield file
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(name, 0o666 & ~umask)
-        os.replace(name, out)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise

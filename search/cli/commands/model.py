@@ -89,9 +89,10 @@ def card(
     """
     from encoders.bundle.bundle import Bundle
     from search.evaluate.card import model_card
+    from search.export.replacing import write_text
 
     require_both(real, captions)
     options.refuse_overwriting(out, force)
     bundle = Bundle.load(place)
-    out.write_text(model_card(bundle, real=real, captions=captions, labelled=labelled, count=count), "utf-8")
+    write_text(out, model_card(bundle, real=real, captions=captions, labelled=labelled, count=count))
     click.echo(f"written: {out}")

@@ -46,6 +46,7 @@ def segment(
     """
     from search.cli import terminal
     from search.export.annotations import FORMATS, as_document
+    from search.export.replacing import write_text
     from search.moments.segments import segment_motion
     from search.query.vocabulary import vocabulary
 
@@ -67,7 +68,7 @@ def segment(
                 raise click.ClickException("no captions to use as labels; give --labels")
         segments = segment_motion(bundle, source.motion, names or vocabulary())
     if out is not None and write is not None:
-        out.write_text(write(segments, source.path), encoding="utf-8")
+        write_text(out, write(segments, source.path))
         terminal.note(f"wrote {out}")
     if as_json:
         terminal.document(as_document(segments, source.path))

@@ -44,13 +44,13 @@ def _tumbling() -> Motion:
 def test_the_22_joint_rig_gives_back_every_joint(tmp_path: Path) -> None:
     motion = _tumbling()
     write_cut(MotionSource.of_motion(motion), tmp_path / "x.bvh")
-    assert np.abs(_joints(tmp_path / "x.bvh") - motion.joints).max() < 1e-5
+    assert np.abs(_joints(tmp_path / "x.bvh") - motion.joints).max() < 1e-4
 
 
 def test_bones_that_point_straight_against_the_rest_pose(tmp_path: Path) -> None:
     motion = Motion(made_motion(1, 1).joints * np.array([1, -1, 1], np.float32))
     write_cut(MotionSource.of_motion(motion), tmp_path / "x.bvh")
-    assert np.abs(_joints(tmp_path / "x.bvh") - motion.joints).max() < 1e-5
+    assert np.abs(_joints(tmp_path / "x.bvh") - motion.joints).max() < 1e-4
 
 
 def test_a_cut_of_a_bvh_keeps_its_rig_its_rate_and_its_lines(tmp_path: Path) -> None:
@@ -94,15 +94,16 @@ def test_what_was_written_is_read_as_the_same_movement(tmp_path: Path, ending: s
     assert len(load_motion(tmp_path / f"cut{ending}")) == len(motion)
 
 
-def test_frames_that_share_lines_cannot_be_cut(tmp_path: Path) -> None:
+def test_frames_that_share_lines_are_cut_as_well(tmp_path: Path) -> None:
     path = tmp_path / "one line.bvh"
     with path.open("wb") as file:
         bvh_writer.write(file, made_motion(2, 3))
     head, _, numbers = path.read_text().rpartition("Frame Time: 0.05\n")
     path.write_text(head + "Frame Time: 0.05\n" + " ".join(numbers.split()))
-    with pytest.raises(QueryError, match="one a line"):
-        write_cut(MotionSource.of_file(path), tmp_path / "cut.bvh", 0.5, 1.0)
-    assert not (tmp_path / "cut.bvh").exists()
+    assert write_cut(MotionSource.of_file(path), tmp_path / "cut.bvh", 0.5, 1.0) == (10, 20.0)
+    whole, cut = read_take(path), read_take(tmp_path / "cut.bvh")
+    assert cut.names == whole.names
+    np.testing.assert_allclose(cut.positions, whole.positions[10:20], atol=0.01)  # centimetres
 
 
 def test_a_cut_outside_the_motion_is_refused(tmp_path: Path) -> None:

@@ -1,0 +1,127 @@
+"""The skeleton of the file that a motion was read from, in motion."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.errors import UnknownRig
+from encoders.geometry import rotation_between
+from indexer.formats.reading import read_take
+from indexer.rigs.landmarks import Landmarks
+from indexer.rigs.mapping import RigMap, map_rig
+from indexer.rigs.orientation import up_axis
+from indexer.rigs.own_rig import as_own_rig
+from indexer.rigs.retarget import frames_before_movement
+from indexer.take import UP_AXES, Take
+from search.export.rig_motion import RigMotion
+
+Array = NDArray[np.float64]
+
+#: The directions of `UP_AXES`.
+_AXES: Array = np.vstack([np.eye(3), -np.eye(3)])
+
+
+@dataclass(frozen=True)
+class SourceRig:
+    """A file's take with where its movement begins and its true frame rate.
+
+    Attributes
+    ----------
+    take : Take
+        As read.
+    rig : RigMap or None
+        The body in it; None where a joint map is needed to find it.
+    skipped : int
+        Frames before the movement: times count from there.
+    fps : float
+        Frames a second, as the motion was read with.
+    """
+
+    take: Take
+    rig: RigMap | None
+    skipped: int
+    fps: float
+
+    @classmethod
+    def of(cls, file: Path, duration: float) -> SourceRig:
+        """The rig of a file whose motion lasts `duration` seconds.
+
+        Raises
+        ------
+        UnreadableMotion
+            If it cannot be read.
+        """
+        take = read_take(file)
+        fps = take.fps or 20.0
+        rig, skipped = None, 0
+        with suppress(UnknownRig):
+            rig = map_rig(take, file)
+            own = as_own_rig(take)
+            skipped = frames_before_movement(own, rig if own is take else map_rig(own, file), fps)
+        frames = len(take.positions) - skipped
+        if abs(frames / fps - duration) > max(0.2, 2 / fps):  # it was read at another rate than the file states
+            fps = frames / duration
+        return cls(take, rig, skipped, fps)
+
+    def span(self, start: float, seconds: float) -> tuple[int, int]:
+        """The first frame of a span of the motion, and how many."""
+        first = min(self.skipped + round(start * self.fps), len(self.take.positions) - 1)
+        return first, min(max(round(seconds * self.fps), 1), len(self.take.positions) - first)
+
+    def motion(self, first: int, count: int) -> RigMotion | None:
+        """The skeleton of the body in `count` frames from frame `first` on; None where the file holds no rotations.
+
+        Other trees of the file, such as cameras, are left out. Where the file says which axis is up it becomes Y, as
+        BVH is read.
+        """
+        take = self.take
+        rotations = None if take.rotations is None else take.rotations()
+        if rotations is None or rotations.shape[:2] != take.positions.shape[:2]:
+            return None
+        kept = self._body()
+        new = np.full(len(take.names) + 1, -1)
+        new[kept] = np.arange(len(kept))
+        turn = rotation_between(self._up_axis(), np.array([0.0, 1.0, 0.0])) if take.up else np.eye(3)
+        frames = slice(first, first + count)
+        return RigMotion(
+            names=tuple(take.names[joint] for joint in kept),
+            parents=new[take.parents[kept]],
+            rest=take.rest[kept] @ turn.T,
+            positions=take.positions[frames][:, kept] @ turn.T,
+            rotations=turn @ rotations[frames][:, kept] @ turn.T,
+            fps=self.fps,
+        )
+
+    def in_place(self, motion: RigMotion, first: int) -> RigMotion:
+        """A cut of the take from frame `first` on, without the way the body travels over the floor."""
+        if self.rig is None:
+            roots = motion.positions[:, motion.parents < 0]
+            return motion.in_place(self._up_axis(), roots[:, 0])
+        marks = Landmarks.of(self.take.positions[first : first + len(motion)], self.rig)
+        turn = rotation_between(self._up_axis(), np.array([0.0, 1.0, 0.0])) if self.take.up else np.eye(3)
+        return motion.in_place(turn @ self._up_axis(), marks.middle("hip") @ turn.T)
+
+    def _up_axis(self) -> Array:
+        """The direction (3,) that is up in the file."""
+        take, axis = as_own_rig(self.take), self.take.up or "y"
+        if self.rig is not None and not take.up_is_certain:
+            marks, rest = (Landmarks.of(places, self.rig) for places in (self.take.positions, self.take.rest[None]))
+            axis = up_axis(marks, rest, take.up).axis
+        up: Array = _AXES[UP_AXES.index(axis)]
+        return up
+
+    def _body(self) -> NDArray[np.int64]:
+        """The joints of the tree that holds the body."""
+        parents = self.take.parents
+        roots = np.arange(len(parents))
+        for joint, parent in enumerate(parents):
+            if parent >= 0:
+                roots[joint] = roots[parent]
+        if self.rig is None:
+            return np.arange(len(parents))
+        return np.flatnonzero(roots == roots[self.rig.joints["left_hip"]])
