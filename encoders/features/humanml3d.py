@@ -198,17 +198,24 @@ def joints_to_features(joints: ArrayLike, *, retarget: bool = True) -> NDArray[n
     return np.concatenate([part.reshape(shape) for part in parts], axis=-1).astype(np.float32)
 
 
-def features_to_joints(features: ArrayLike) -> NDArray[np.float32]:
-    """Joint positions (..., T, 22, 3), begun at the origin and facing +Z, from root motion and joint positions.
+def features_to_joints(features: ArrayLike, *, joint_count: int = len(JOINTS)) -> NDArray[np.float32]:
+    """Joint positions (..., T, J, 3), begun at the origin and facing +Z, from root motion and joint positions.
+
+    Parameters
+    ----------
+    features : array (..., T, 12 J - 1)
+        The 263 of the 22 joints, or as many of another skeleton that are laid out alike.
+    joint_count : int
+        J.
 
     Raises
     ------
     ValueError
-        If there are not 263 numbers a frame.
+        If there are not 12 J - 1 numbers a frame.
     """
     features = np.asarray(features, dtype=np.float64)
-    if features.ndim < 2 or features.shape[-1] != SIZE:
-        raise ValueError(f"features.shape={features.shape} must be (..., T, {SIZE})")
+    if features.ndim < 2 or features.shape[-1] != 12 * joint_count - 1:
+        raise ValueError(f"features.shape={features.shape} must be (..., T, {12 * joint_count - 1})")
     # A frame's root velocity leads to the next frame.
     before = features[..., :-1, :]
     angles = np.zeros(features.shape[:-1])
@@ -217,7 +224,8 @@ def features_to_joints(features: ArrayLike) -> NDArray[np.float32]:
     root = np.zeros((*features.shape[:-1], 1, 3))
     root[..., 1:, 0, ::2] = before[..., LAYOUT["root_velocity"]]
     root = np.cumsum(_turned(root, -angles), axis=-3)
-    positions = features[..., LAYOUT["positions"]].reshape(*features.shape[:-1], len(JOINTS) - 1, 3)
+    start = LAYOUT["positions"].start
+    positions = features[..., start : start + 3 * (joint_count - 1)].reshape(*features.shape[:-1], joint_count - 1, 3)
     positions = _turned(positions, -angles) + root
     root[..., 1] = features[..., LAYOUT["height"]]
     return np.concatenate([root, positions], axis=-2).astype(np.float32)

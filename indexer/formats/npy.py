@@ -1,98 +1,116 @@
-"""NumPy arrays: joint positions in SMPL order, or the 263 published features."""
+"""NumPy arrays: joint positions in an order that `array_layouts` knows, or published features."""
 
 from __future__ import annotations
 
 import io
-from dataclasses import replace
 from os import PathLike
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.errors import UnreadableMotion
-from encoders.skeleton import JOINTS, PARENTS
+from indexer.formats import array_layouts
 from indexer.take import Take
 
-FEATURES = 263
-SHAPES = "(T, 22, 3), (T, 24, 3), (T, 52, 3) or (T, 263)"
+#: So many numbers an array may hold (256 MB once they are float64): seven hours of 22 joints at 20 frames a second.
+MAX_NUMBERS = 1 << 25
+#: An array's header is at most so long, and needs no more than this to be read.
+HEADER_BYTES = 16_384
+
+PICKLED = (
+    "it is pickled, which is never opened, for a pickle can run any program; if you trust it, save the array in it: "
+    "np.save('motion.npy', np.load('{name}', allow_pickle=True).item()['motion'])"
+)
+
+
+class Header(NamedTuple):
+    """What the header of an array says: shape and type of its numbers, their order, and where they begin."""
+
+    shape: tuple[int, ...]
+    is_fortran: bool
+    dtype: np.dtype[Any]
+    start: int
 
 
 def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) -> list[Take]:
-    """Read a `.npy` file; of 24 or 52 joints the 22 of the body are kept, all in SMPL order.
+    """Read a `.npy` file.
 
     Raises
     ------
     UnreadableMotion
-        If the array has another shape, holds objects, or is shorter than its header says.
+        If its shape is none that `array_layouts` knows, if it is pickled, damaged, or shorter than its header says.
     """
-    return [take_of(path, load_array(path, data), fps)]
+    return array_layouts.takes_of(path, load_array(path, data), fps)
 
 
-def take_of(path: str | PathLike[str], array: NDArray[np.float64], fps: float | None) -> Take:
-    """A take of an array of joints or features.
+def load_array(path: str | PathLike[str], data: bytes) -> NDArray[Any]:
+    """The numbers of a `.npy` file as they are stored, all finite; checked before anything is allocated.
 
     Raises
     ------
     UnreadableMotion
-        If it has another shape.
+        If it holds anything else, fewer or more than `MAX_NUMBERS`.
     """
-    if array.ndim == 2 and array.shape[1] == FEATURES:
-        from encoders.features.humanml3d import features_to_joints
-
-        joints = np.asarray(features_to_joints(array), np.float64)
-        return replace(joints_take(joints, fps), up="y", up_is_certain=True)
-    elif array.ndim == 3 and array.shape[1] in (22, 24, 52) and array.shape[2] == 3:
-        joints = array[:, : len(JOINTS)]
-    else:
-        raise UnreadableMotion(path, f"an array of shape {array.shape} is no motion; it must be {SHAPES}")
-    return joints_take(joints, fps)
-
-
-def joints_take(joints: NDArray[np.float64], fps: float | None) -> Take:
-    """A take of the 22 joints (T, 22, 3); its rest pose is unknown, hence zeros."""
-    return Take(JOINTS, PARENTS.astype(np.int64), np.zeros((len(JOINTS), 3)), joints, fps)
-
-
-def load_array(path: str | PathLike[str], data: bytes) -> NDArray[np.float64]:
-    """The array of a `.npy` file as float64, checked before anything is allocated."""
-    shape = _checked_shape(path, data)
-    if len(shape) not in (2, 3) or shape[0] == 0:
-        raise UnreadableMotion(path, f"an array of shape {shape} is no motion; it must be {SHAPES}")
-    array: NDArray[np.float64] = np.load(io.BytesIO(data), allow_pickle=False).astype(np.float64)
-    if not np.isfinite(array).all():
-        frame = int(np.argwhere(~np.isfinite(array))[0, 0]) + 1
-        raise UnreadableMotion(path, f"frame {frame} holds values that are no numbers")
+    array = _array(path, data, "fiu")
+    if array.dtype.kind == "f":
+        for start in range(0, len(array) if array.ndim else 0, 65_536):
+            finite = np.isfinite(array[start : start + 65_536])
+            if not finite.all():
+                frame = start + int(np.argwhere(~finite)[0, 0]) + 1
+                raise UnreadableMotion(path, f"frame {frame} holds values that are no numbers")
     return array
 
 
 def load_number(path: str | PathLike[str], data: bytes) -> float:
     """The one number of a `.npy` file."""
-    shape = _checked_shape(path, data)
-    if shape not in ((), (1,)):
-        raise UnreadableMotion(path, f"an array of shape {shape} is no number")
-    return float(np.load(io.BytesIO(data), allow_pickle=False).reshape(()))
+    array = _array(path, data, "fiu")
+    if array.size != 1:
+        raise UnreadableMotion(path, f"an array of shape {array.shape} is no number")
+    return float(array.reshape(()))
 
 
 def load_word(path: str | PathLike[str], data: bytes) -> str:
-    """The one string of a `.npy` file."""
-    shape = _checked_shape(path, data, kinds="U")
-    if shape not in ((), (1,)):
-        raise UnreadableMotion(path, f"an array of shape {shape} is no word")
-    return str(np.load(io.BytesIO(data), allow_pickle=False).reshape(()))
+    """The one word of a `.npy` file."""
+    array = _array(path, data, "U")
+    if array.size != 1:
+        raise UnreadableMotion(path, f"an array of shape {array.shape} is no word")
+    return str(array.reshape(()))
 
 
-def _checked_shape(path: str | PathLike[str], data: bytes, kinds: str = "fiu") -> tuple[int, ...]:
-    """The shape a header announces, of numbers (or other kinds) that are all there."""
-    stream = io.BytesIO(data)
+def header_of(path: str | PathLike[str], start: bytes) -> Header:
+    """The header of an array, given at least its first `HEADER_BYTES`.
+
+    Raises
+    ------
+    UnreadableMotion
+        If it is damaged.
+    """
+    stream = io.BytesIO(start)
     try:
         version = np.lib.format.read_magic(stream)
-        header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-        shape, _, dtype = header(stream)
-    except ValueError as error:
-        raise UnreadableMotion(path, f"the array's header is damaged: {error}") from None
-    if dtype.hasobject or dtype.kind not in kinds:
+        read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+        shape, is_fortran, dtype = read_header(stream)
+    except Exception as error:  # NumPy evaluates the header as Python's tokenizer, parser and its own checks see fit
+        raise UnreadableMotion(path, f"the array's header is damaged: {str(error).splitlines()[0][:200]}") from None
+    if not all(type(n) is int and n >= 0 for n in shape):
+        raise UnreadableMotion(path, f"the array's header is damaged: {shape} is no shape")
+    return Header(tuple(shape), is_fortran, dtype, stream.tell())
+
+
+def _array(path: str | PathLike[str], data: bytes, kinds: str) -> NDArray[Any]:
+    """The array of a `.npy` file, as a view of its bytes, of one of some kinds of values."""
+    shape, is_fortran, dtype, start = header_of(path, data)
+    if dtype.hasobject:
+        raise UnreadableMotion(path, PICKLED.format(name=str(path).replace("\\", "/").rpartition("/")[2]))
+    if dtype.kind not in kinds or not dtype.itemsize:
         raise UnreadableMotion(path, f"an array of {dtype} is no motion; numbers are needed")
-    need = int(np.prod([int(n) for n in shape], dtype=object)) * dtype.itemsize
-    if need > len(data) - stream.tell():
-        raise UnreadableMotion(path, f"the array is cut short: shape {shape} needs {need} bytes")
-    return tuple(shape)
+    count = 1
+    for n in shape:
+        count *= n
+    if count > MAX_NUMBERS:
+        raise UnreadableMotion(path, f"shape {shape} is more than {MAX_NUMBERS:,} numbers; cut it into takes")
+    if count * dtype.itemsize > len(data) - start:
+        raise UnreadableMotion(path, f"the array is cut short: shape {shape} needs {count * dtype.itemsize} bytes")
+    array = np.frombuffer(data, dtype, count, start) if count else np.empty(0, dtype)
+    return array.reshape(shape, order="F" if is_fortran else "C")

@@ -20,7 +20,7 @@ from encoders.errors import ArgumentError, UnknownClip, UnreadableMotion
 from encoders.motion import FPS, Motion, joint_array
 from encoders.protocol import Encoder
 from indexer.argument_checks import checked_rate
-from indexer.formats.npy import take_of
+from indexer.formats.array_layouts import SMPL
 from indexer.ingest.caption_files import MAX_TEXT
 from indexer.ingest.encode import captions_without_vectors, encode, insert_caption_vectors, use_model
 from indexer.rigs.retarget import retarget
@@ -136,7 +136,7 @@ def to_motion(motion: Motion | ArrayLike, fps: float | None = None, *, name: str
     except (TypeError, ValueError, RuntimeError) as error:  # RuntimeError: a tensor that cannot become an array
         raise ArgumentError(f"{name}: a Motion or an array of joints (T, 22, 3) is needed; {error}") from None
     try:
-        return retarget(take_of(name, joints, rate), path=name)
+        return retarget(SMPL.take(joints, rate), path=name)
     except UnreadableMotion as error:
         raise ArgumentError(str(error)) from None
 

@@ -84,9 +84,10 @@ def retarget(
         landmarks, rest = landmarks.transformed(matrix), rest.transformed(matrix)
         joints = build(landmarks, scale, rest_pose_correction(landmarks, rest))
     joints[..., 1] -= joints[..., 1].min()
-    if not np.isfinite(joints).all():
+    stored = joints.astype(np.float32)
+    if not np.isfinite(stored).all():
         raise UnreadableMotion(path, "its values are too large to be places of joints")
-    return Motion(joints.astype(np.float32), FPS)
+    return Motion(stored, FPS)
 
 
 def _check_duration(path: str | PathLike[str], seconds: float) -> None:
