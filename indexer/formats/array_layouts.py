@@ -195,8 +195,10 @@ def _of_joints(path: str | PathLike[str], joints: NDArray[Any], fps: float | Non
         take = found.take(joints, fps)
         return _with_wrist(take) if found is _NO_WRIST else take
     if known is None or is_flat:
-        reason = f"{count} joints are of no known order, and in that of SMPL their bones change length"
-        raise UnreadableMotion(path, f"{reason}; it must be {SHAPES}{_hint(joints.shape)}")
+        shape = (len(joints), 3 * count) if is_flat else joints.shape
+        what = f"{3 * count} numbers a frame are no joints" if is_flat else f"{count} joints are of no known order"
+        reason = f"{what}: in that of {(known or SMPL).title} their bones change length"
+        raise UnreadableMotion(path, f"{reason}; an array must be {SHAPES}{_hint(shape)}")
     warning = f"its bones change length: are these {count} joints in another order than {known.title}'s?"
     return replace(known.take(joints, fps), warnings=(warning,))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from os import PathLike
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,10 +19,9 @@ MAX_NUMBERS = 1 << 25
 #: An array's header is at most so long, and needs no more than this to be read.
 HEADER_BYTES = 16_384
 
-PICKLED = (
-    "it is pickled, which is never opened, for a pickle can run any program; if you trust it, save the array in it: "
-    "np.save('motion.npy', np.load('{name}', allow_pickle=True).item()['motion'])"
-)
+#: What is said of pickled arrays; where a generator has saved a dictionary so, how to get at the array in it.
+_PICKLED = "an array of objects is pickled, which is never opened, for a pickle can run any program"
+_SAVE = "; if you trust it: np.save('motion.npy', np.load('{name}', allow_pickle=True).item()['motion'])"
 
 
 class Header(NamedTuple):
@@ -102,7 +102,8 @@ def _array(path: str | PathLike[str], data: bytes, kinds: str) -> NDArray[Any]:
     """The array of a `.npy` file, as a view of its bytes, of one of some kinds of values."""
     shape, is_fortran, dtype, start = header_of(path, data)
     if dtype.hasobject:
-        raise UnreadableMotion(path, PICKLED.format(name=str(path).replace("\\", "/").rpartition("/")[2]))
+        name = Path(path).name
+        raise UnreadableMotion(path, _PICKLED + (_SAVE.format(name=name) if name.lower().endswith(".npy") else ""))
     if dtype.kind not in kinds or not dtype.itemsize:
         raise UnreadableMotion(path, f"an array of {dtype} is no motion; numbers are needed")
     count = 1

@@ -129,7 +129,7 @@ def take_of(
 
 def rest_joints() -> Floats:
     """The 22 joints (22, 3) of the neutral body at rest, metres."""
-    joints = _OFFSETS.copy()
+    joints: Floats = _OFFSETS.copy()
     for joint, parent in enumerate(PARENTS[1:], start=1):
         joints[joint] += joints[parent]
     return joints

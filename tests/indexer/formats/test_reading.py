@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import os
 import re
 from pathlib import Path
@@ -12,18 +10,10 @@ import numpy as np
 import pytest
 
 from encoders.errors import UnreadableMotion
-from encoders.skeleton import JOINTS
-from indexer.formats import npz
 from indexer.formats.reading import read_take
 from indexer.formats.table import READABLE
 from indexer.ingest.load import load_motion
 from tests.indexer.performances import bvh, performance
-
-
-def saved(array: np.ndarray) -> bytes:
-    stream = io.BytesIO()
-    np.save(stream, array)
-    return stream.getvalue()
 
 
 def reason(path: Path) -> str:
@@ -37,93 +27,6 @@ def test_content_decides_before_the_ending(tmp_path: Path) -> None:
     path = tmp_path / "take.npy"
     path.write_text(bvh(performance(frames=2)))
     assert len(read_take(path).positions) == 2
-
-
-@pytest.mark.parametrize("count", [22, 24, 52])
-def test_arrays_of_joints(tmp_path: Path, count: int) -> None:
-    joints = np.random.default_rng(0).normal(size=(5, count, 3)).astype(np.float32)
-    path = tmp_path / "a.npy"
-    path.write_bytes(saved(joints))
-    take = read_take(path)
-    assert take.names == JOINTS
-    assert take.fps == 20
-    np.testing.assert_array_equal(take.positions, joints[:, :22])
-
-
-@pytest.mark.parametrize(
-    ("data", "message"),
-    [
-        (saved(np.zeros((5, 21, 3))), "shape"),
-        (saved(np.zeros((0, 22, 3))), "shape"),
-        (saved(np.zeros(7)), "shape"),
-        (saved(np.full((5, 22, 3), np.nan)), "frame 1"),
-        (saved(np.zeros((5, 22, 3), complex)), "complex"),
-        (saved(np.array([{"a": 1}], dtype=object)), "object"),
-        (saved(np.zeros((5, 22, 3)))[:-8], "cut short"),
-        (saved(np.zeros((5, 22, 3))).replace(b"(5, 22, 3)", b"(5000000000, 22, 3)")[:200], "cut short|damaged"),
-        (b"\x93NUMPY\x01\x00\xff\xffrubbish", "damaged"),
-        (b"\x93NUMPY\x09\x09", "damaged"),
-    ],
-)
-def test_arrays_that_are_no_motion(tmp_path: Path, data: bytes, message: str) -> None:
-    path = tmp_path / "a.npy"
-    path.write_bytes(data)
-    assert re.search(message, reason(path))
-
-
-def archived(packed: bool = True, **arrays: np.ndarray | float) -> bytes:
-    stream = io.BytesIO()
-    (np.savez_compressed if packed else np.savez)(stream, **arrays)
-    return stream.getvalue()
-
-
-@pytest.mark.parametrize("packed", [True, False])
-@pytest.mark.parametrize(("more", "fps"), [({"fps": 30.0}, 30), ({"fps": np.array([30])}, 30), ({}, 20)])
-def test_archives_of_joints_with_their_rate(tmp_path: Path, packed: bool, more: dict[str, float], fps: float) -> None:
-    joints = np.random.default_rng(0).normal(size=(5, 22, 3)).astype(np.float32)
-    path = tmp_path / "a.npz"
-    path.write_bytes(archived(packed, joints=joints, unrelated=np.array(["x"]), **more))
-    take = read_take(path)
-    assert (take.names, take.fps) == (JOINTS, fps)
-    np.testing.assert_array_equal(take.positions, joints)
-    assert read_take(path, fps=60).fps == 60
-
-
-@pytest.mark.parametrize(
-    ("data", "message"),
-    [
-        (archived(poses=np.zeros((5, 156)), trans=np.zeros((5, 3))), "no array 'joints'.*but poses, trans"),
-        (archived(joints=np.zeros((5, 21, 3))), "shape"),
-        (archived(joints=np.array([{"a": 1}], dtype=object)), "object"),
-        (archived(joints=np.zeros((5, 22, 3)), fps=np.array([{}], dtype=object)), "object"),
-        (archived(joints=np.zeros((5, 22, 3)), fps=np.zeros(2)), "no number"),
-        (archived(joints=np.zeros((5, 22, 3)), fps=-3.0), "no frame rate"),
-        (archived(joints=np.zeros((5, 22, 3)), fps=np.nan), "no frame rate"),
-        (archived(joints=np.zeros((5, 22, 3)))[:-30], "damaged"),
-        (archived(False, joints=np.ones((5, 22, 3))).replace(b"\xf0?", b"\xf1?", 1), "damaged"),
-        (b"PK\x03\x04rubbish", "damaged"),
-        (archived(joints=np.zeros((1000, 22, 3))), "larger than"),
-    ],
-)
-def test_archives_that_are_no_motion(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, data: bytes, message: str
-) -> None:
-    monkeypatch.setattr(npz, "MAX_BYTES", 100_000)
-    path = tmp_path / "a.npz"
-    path.write_bytes(data)
-    assert re.search(message, reason(path))
-
-
-@pytest.mark.parametrize("seed", range(40))
-def test_a_damaged_archive_is_refused_or_read(tmp_path: Path, seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    data = bytearray(archived(joints=rng.normal(size=(5, 22, 3)), fps=30.0))
-    for place in rng.integers(len(data), size=3):
-        data[place] = rng.integers(256)
-    path = tmp_path / "a.npz"
-    path.write_bytes(data)
-    with contextlib.suppress(UnreadableMotion):
-        read_take(path)
 
 
 @pytest.mark.parametrize(

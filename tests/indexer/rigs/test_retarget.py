@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from encoders.errors import UnreadableMotion
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS, PARENTS
-from indexer.formats.npy import joints_take
+from indexer.formats.array_layouts import SMPL
 from indexer.ingest.load import load_motion
 from indexer.rigs.retarget import retarget
 from indexer.take import Take
@@ -127,7 +127,7 @@ def test_a_standing_figure_of_any_rig_stands(rig: str) -> None:
 def test_joints_that_already_are_the_22_keep_their_directions() -> None:
     rng = np.random.default_rng(0)
     source = Motion(_random_body(rng) * 1.3)
-    motion = retarget(joints_take(source.joints.astype(np.float64), 20), path="x.npy")
+    motion = retarget(SMPL.take(source.joints.astype(np.float64), 20), path="x.npy")
     for child, parent in enumerate(PARENTS[1:], start=1):
         before = source.joints[:, child] - source.joints[:, parent]
         after = motion.joints[:, child] - motion.joints[:, parent]
@@ -151,7 +151,7 @@ def test_a_skeleton_without_a_shape_is_refused(tmp_path: Path, change: object, r
 
 
 def test_a_take_that_would_last_for_days_asks_for_its_rate() -> None:
-    take = joints_take(np.broadcast_to(_random_body(np.random.default_rng(0))[:1], (100_000, 22, 3)), 0.1)
+    take = SMPL.take(np.broadcast_to(_random_body(np.random.default_rng(0))[:1], (100_000, 22, 3)), 0.1)
     with pytest.raises(UnreadableMotion, match="hours"):
         retarget(take, path="x.npy")
 
@@ -177,4 +177,4 @@ def test_a_t_pose_before_the_movement_is_dropped_where_no_rest_pose_is_known() -
     limbs = 0.25 * rng.normal(size=(1, 22, 3))
     limbs[:, [0, 1, 2]] = 0
     moving = np.concatenate([np.zeros(4), np.ones(8)])[:, None, None] * limbs
-    assert len(retarget(joints_take(_random_body(rng)[:1] + moving, 20), path="x.npy")) == 8
+    assert len(retarget(SMPL.take(_random_body(rng)[:1] + moving, 20), path="x.npy")) == 8

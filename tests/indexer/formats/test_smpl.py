@@ -1,0 +1,122 @@
+"""Parameters of SMPL, SMPL-H and SMPL-X in all spellings, against a plain loop over frames and joints."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from encoders.errors import UnreadableMotion
+from encoders.skeleton import JOINTS
+from indexer.formats import npz, smpl
+from indexer.ingest.load import load_motion
+from indexer.take import Take
+from tests.indexer.bodies import archived, joints_of, parameters
+
+ANGLES, WAY = parameters(up="z")
+JOINTS_OF = joints_of(ANGLES, WAY)
+ROOT, BODY = ANGLES[:, :3], ANGLES[:, 3:]
+
+
+def padded(width: int) -> np.ndarray:
+    """The body's rotations with random ones of hands and face after them."""
+    more = np.random.default_rng(0).normal(size=(len(ANGLES), width - 66))
+    return np.concatenate([ANGLES, more], axis=1)
+
+
+def read(**arrays: object) -> Take:
+    (take,) = npz.read("a.npz", archived(**arrays))
+    return take
+
+
+def test_many_frames_at_once_are_turned_as_one_after_another() -> None:
+    angles, way = parameters(seed=3)
+    rest = smpl.rest_joints()
+    found = smpl.forward_kinematics(angles.reshape(-1, 22, 3) * 7, way, rest)  # turns beyond a half, too
+    np.testing.assert_allclose(found, joints_of(angles * 7, way, rest), atol=1e-9)
+
+
+def test_no_rotation_is_the_rest_pose() -> None:
+    np.testing.assert_array_equal(smpl.rotation_matrices(np.zeros((2, 3))), np.broadcast_to(np.eye(3), (2, 3, 3)))
+    joints = smpl.forward_kinematics(np.zeros((1, 22, 3)), np.zeros((1, 3)), smpl.rest_joints())
+    np.testing.assert_allclose(joints[0], smpl.rest_joints())
+
+
+def test_the_template_stands_with_arms_outstretched_and_is_symmetric() -> None:
+    rest = dict(zip(JOINTS, smpl.rest_joints(), strict=True))
+    height = rest["head"][1] - rest["left_foot"][1]
+    assert 1.3 < height < 1.6
+    assert abs(rest["left_wrist"][1] - rest["left_shoulder"][1]) < 0.05
+    assert rest["left_foot"][2] > rest["left_ankle"][2]
+    for name in JOINTS:
+        if name.startswith("left"):
+            np.testing.assert_allclose(rest[name] * (-1, 1, 1), rest[name.replace("left", "right")])
+
+
+@pytest.mark.parametrize("width", [66, 72, 156, 165])
+def test_amass_of_every_model_is_z_up_at_the_rate_it_states(width: int) -> None:
+    take = read(
+        poses=padded(width).astype(np.float32),
+        trans=WAY,
+        betas=np.zeros(16),
+        gender=np.array("neutral"),
+        mocap_framerate=np.float64(120),
+    )
+    assert (take.names, take.fps, take.up, take.up_is_certain, take.warnings) == (JOINTS, 120, "z", False, ())
+    np.testing.assert_allclose(take.positions, JOINTS_OF, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "up", "fps"),
+    [
+        ({"root_orient": ROOT, "pose_body": BODY, "pose_hand": padded(156)[:, 66:], "trans": WAY,
+          "mocap_frame_rate": np.array([60.0]), "surface_model_type": np.array("smplx")}, "z", 60),
+        ({"poses": padded(165), "root_orient": ROOT, "pose_body": BODY, "trans": WAY, "fps": 30}, "z", 30),
+        ({"global_orient": ROOT, "body_pose": padded(72)[:, 3:], "transl": WAY, "fps": 25}, "y", 25),
+        ({"global_orient": ROOT[:, None], "body_pose": BODY.reshape(-1, 21, 3), "transl": WAY, "fps": 25}, "y", 25),
+        ({"smpl_poses": padded(72), "smpl_trans": WAY * 93.0, "smpl_scaling": np.array([93.0]), "fps": 60}, "y", 60),
+        ({"fullpose": padded(165), "transl": WAY, "framerate": 120}, "z", 120),
+    ],
+)  # fmt: skip
+def test_every_spelling_gives_the_same_joints(arrays: dict[str, object], up: str, fps: float) -> None:
+    take = read(**arrays)
+    np.testing.assert_allclose(take.positions, JOINTS_OF, atol=1e-9)
+    assert (take.up, take.fps, take.warnings) == (up, fps, ())
+
+
+def test_what_is_not_stated_is_taken_for_granted_aloud() -> None:
+    take = read(poses=padded(72))
+    assert take.fps == 30
+    assert ["no translation" in take.warnings[0], "no frame rate; 30" in take.warnings[1]] == [True, True]
+    assert read(smpl_poses=padded(72), smpl_trans=WAY).fps == 60
+    (given,) = npz.read("a.npz", archived(poses=padded(72), trans=WAY), fps=50)
+    assert (given.fps, given.warnings) == (50, ())
+
+
+def test_an_archive_of_parameters_is_the_motion_that_its_joints_are(tmp_path: Path) -> None:
+    """AMASS's is Z-up, joints saved as an array are Y-up: both stand the same way, and the body is the same."""
+    (tmp_path / "a.npz").write_bytes(archived(poses=padded(156), trans=WAY, mocap_framerate=20.0))
+    np.save(tmp_path / "b.npy", JOINTS_OF[:, :, [0, 2, 1]] * (1, 1, -1))
+    amass, joints = load_motion(tmp_path / "a.npz"), load_motion(tmp_path / "b.npy")
+    np.testing.assert_allclose(amass.joints, joints.joints, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "reason"),
+    [
+        ({"poses": np.zeros((5, 63)), "trans": np.zeros((5, 3))}, "turn 21 joints"),
+        ({"poses": np.zeros((5, 71)), "trans": np.zeros((5, 3))}, "no rotation of joints"),
+        ({"poses": np.zeros((5, 72)), "trans": np.zeros((6, 3))}, "do not match"),
+        ({"poses": np.zeros((5, 72)), "trans": np.zeros((5, 2))}, "do not match"),
+        ({"poses": np.zeros((0, 72)), "trans": np.zeros((0, 3))}, "no rotation of joints"),
+        ({"poses": np.full((5, 72), np.nan), "trans": np.zeros((5, 3))}, "frame 1 holds values"),
+        ({"poses": np.zeros((5, 72)), "trans": np.zeros((5, 3)), "mocap_framerate": 0.0}, "no frame rate"),
+        ({"global_orient": np.zeros((4, 3)), "body_pose": np.zeros((5, 69))}, "do not match"),
+        ({"smpl_poses": np.zeros((5, 72)), "smpl_trans": np.zeros((5, 3)), "smpl_scaling": 0.0}, "positive"),
+        ({"poses": np.array([{}], dtype=object)}, "never opened"),
+    ],
+)  # fmt: skip
+def test_parameters_that_make_no_sense_are_refused(arrays: dict[str, object], reason: str) -> None:
+    with pytest.raises(UnreadableMotion, match=reason):
+        read(**arrays)
