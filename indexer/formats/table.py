@@ -17,6 +17,8 @@ from typing import NamedTuple
 
 from encoders.errors import UnreadableMotion
 from indexer.formats import amc, bvh, npy, npz
+from indexer.formats.gltf import gltf_reader
+from indexer.formats.refused import REFUSED
 from indexer.take import Take
 
 #: Bytes at the start of a file in which its signature is looked for, and that of a companion.
@@ -71,53 +73,19 @@ FORMATS = (
            default_fps=120.0, states_fps=False, companion=Companion(".asf", b":bonedata")),
     Format(".npy", npy.read, rb"\x93numpy", default_fps=20.0, states_fps=False),
     Format(".npz", npz.read, rb"pk", needs_ending=True, default_fps=20.0),
+    Format(".glb", gltf_reader.read, rb"gltf"),
+    Format(".gltf", gltf_reader.read, rb"\{", needs_ending=True),
+    Format(".vrm", gltf_reader.read, rb"gltf"),
+    Format(".vrma", gltf_reader.read, rb"gltf"),
 )
 # fmt: on
 READABLE: dict[str, Format] = {row.ending: row for row in FORMATS}
-
-
-class UnsupportedFormat(NamedTuple):
-    """A format that is known but cannot be read.
-
-    Files of motion (`is_motion`) are listed as failed where a folder is indexed; the others are passed over. Some
-    formats (`is_scene`) open in programs that write BVH.
-    """
-
-    name: str
-    endings: tuple[str, ...]
-    signatures: tuple[bytes, ...] = ()
-    is_scene: bool = False
-    is_motion: bool = True
-
-
-UNSUPPORTED = (
-    UnsupportedFormat("FBX", (".fbx",), (b"kaydara fbx binary", b"; fbx"), is_scene=True),
-    UnsupportedFormat("glTF", (".glb", ".gltf"), (b"gltf",), is_scene=True),
-    UnsupportedFormat("USD", (".usd", ".usda", ".usdc", ".usdz"), (b"#usda", b"pxr-usdc"), is_scene=True),
-    UnsupportedFormat("Collada", (".dae",), is_scene=True),
-    UnsupportedFormat("C3D", (".c3d",), is_scene=True),
-    UnsupportedFormat("TRC", (".trc",), is_scene=True),
-    UnsupportedFormat("Blender", (".blend",), is_scene=True),
-    UnsupportedFormat("Alembic", (".abc",)),
-    UnsupportedFormat("ANIM", (".anim",)),
-    UnsupportedFormat("Biped", (".bip",)),
-    UnsupportedFormat("CSM", (".csm",)),
-    UnsupportedFormat("HTR", (".htr",)),
-    UnsupportedFormat("MVNX", (".mvnx",)),
-    UnsupportedFormat("Motive TAK", (".tak",)),
-    UnsupportedFormat("VMD", (".vmd",)),
-    UnsupportedFormat("VRM", (".vrm", ".vrma")),
-    UnsupportedFormat("pickle", (".pkl",), is_motion=False),
-    UnsupportedFormat("PyTorch", (".pt",), is_motion=False),
-    UnsupportedFormat("CSV", (".csv",), is_motion=False),
-    UnsupportedFormat("ZIP", (".zip",), is_motion=False),
-)
-_UNSUPPORTED_ENDINGS = {ending: row for row in UNSUPPORTED for ending in row.endings}
+_REFUSED_ENDINGS = {ending: row for row in REFUSED for ending in row.endings}
 
 
 def is_motion(ending: str) -> bool:
     """Whether files of an ending are motions, whether or not they can be read."""
-    return ending in READABLE or (ending in _UNSUPPORTED_ENDINGS and _UNSUPPORTED_ENDINGS[ending].is_motion)
+    return ending in READABLE or (ending in _REFUSED_ENDINGS and _REFUSED_ENDINGS[ending].is_motion)
 
 
 def detect(path: str | PathLike[str], data: bytes) -> Format:
@@ -136,22 +104,23 @@ def detect(path: str | PathLike[str], data: bytes) -> Format:
     ending = Path(path).suffix.lower()
     start = data[:START].removeprefix(_BOM).lstrip().lower()
     is_text = b"\0" not in start
-    unsupported = next((row for row in UNSUPPORTED if start.startswith(row.signatures)), None)
-    if unsupported is None:
+    refused = next((row for row in REFUSED if row.signature and _matches(row.signature, start)), None)
+    if refused is None:
         for row in FORMATS:
             if row.companion and is_text and row.companion.signature in data[:COMPANION_START].lower():
                 raise UnreadableMotion(
                     path, f"this is a skeleton without motion; read the {row.ending} files that belong to it"
                 )
             fits = is_text or not row.is_text
-            if fits and re.match(row.signature, start, re.DOTALL) and (ending == row.ending or not row.needs_ending):
+            if fits and _matches(row.signature, start) and (ending == row.ending or not row.needs_ending):
                 return row
         if is_text and ending in READABLE and READABLE[ending].is_text:
             return READABLE[ending]
-        unsupported = _UNSUPPORTED_ENDINGS.get(ending)
-    if unsupported is not None and unsupported.is_scene:
-        raise UnreadableMotion(
-            path, f"{unsupported.name} cannot be read; export it as BVH, as Blender and MotionBuilder do"
-        )
-    name = "this kind of file" if unsupported is None else unsupported.name
-    raise UnreadableMotion(path, f"{name} cannot be read; what can be: {', '.join(READABLE)}")
+        refused = _REFUSED_ENDINGS.get(ending)
+    if refused is not None:
+        raise UnreadableMotion(path, f"{refused.name} cannot be read; {refused.advice}")
+    raise UnreadableMotion(path, f"this kind of file cannot be read; what can be: {', '.join(READABLE)}")
+
+
+def _matches(signature: bytes, start: bytes) -> bool:
+    return re.match(signature, start, re.DOTALL) is not None
