@@ -29,7 +29,8 @@ def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0
     rng = np.random.default_rng(seed)
     with StoredLibrary.open(around) as real:
         clips = [(clip, real.windows(clip.id)) for clip in real.clips_by_id(real.ids().tolist()).values()]
-        rows = real.indexes.current(CLIPS, real.connection).rows
+        with real.reading() as connection:
+            rows = real.indexes.current(CLIPS, connection).rows
         whole = dict(zip(rows.owners.tolist(), rows.vectors, strict=True))
         model = real._model()
     assert model is not None

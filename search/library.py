@@ -18,7 +18,7 @@ from indexer.argument_checks import checked_rate
 from indexer.ingest import arrays
 from indexer.ingest.arrays import NewClip
 from indexer.store.clips import Caption, Clip
-from indexer.store.stored_library import StoredLibrary
+from indexer.store.stored_library import StoredLibrary, one_snapshot
 from search.drawing.film import write_picture
 from search.export.cut import writable, write_cut
 from search.hits import Hits
@@ -116,6 +116,7 @@ class Library(StoredLibrary):
         """
         arrays.remove(self._writable(), ids)
 
+    @one_snapshot
     def search(self, query: str | ArrayLike, k: int = 10, **filters: Unpack[FilterArguments]) -> Hits:
         """The clips that fit a sentence best, each with the span that does.
 
@@ -127,10 +128,12 @@ class Library(StoredLibrary):
         question = self.encode(Question.of(query, split_steps=False)) if isinstance(query, str) else self._vector(query)
         return self.search_encoded(question, k, **filters)
 
+    @one_snapshot
     def search_encoded(self, question: EncodedQuestion, k: int = 10, **filters: Unpack[FilterArguments]) -> Hits:
         """The clips that fit a question that is encoded already; see `search`."""
         return self._clip_hits(question, checked_count(k), self.allowed(**filters))
 
+    @one_snapshot
     def moments(
         self,
         text: str | None,
@@ -160,6 +163,7 @@ class Library(StoredLibrary):
         """
         return self.answer(Question.of(text, then, meanwhile, split_steps=split_steps), ref, k, fps=fps, **filters)
 
+    @one_snapshot
     def answer(
         self,
         question: Question,
@@ -180,6 +184,7 @@ class Library(StoredLibrary):
         """The question with its query vectors."""
         return question.encode(self.bundle)
 
+    @one_snapshot
     def describe(
         self,
         ref: Ref,
@@ -199,6 +204,7 @@ class Library(StoredLibrary):
         captions, _, vectors = self.caption_vectors()
         return describe_motion(self.bundle, self._cut(ref, start, end, fps), checked_count(k), captions, vectors)
 
+    @one_snapshot
     def segment(
         self, ref: Ref, labels: Sequence[str] | None = None, *, captions: bool = False, fps: float | None = None
     ) -> list[Segment]:
@@ -221,6 +227,7 @@ class Library(StoredLibrary):
         given = sorted(set(self.caption_vectors()[0])) if captions else labels
         return segment_motion(self.bundle, self.source(ref, fps=fps).motion, given)
 
+    @one_snapshot
     def export(
         self,
         ref: Ref,
@@ -239,6 +246,7 @@ class Library(StoredLibrary):
         write_cut(self.source(ref, fps=fps), place, *checked_span(*span_of(ref, start, end)))
         return place
 
+    @one_snapshot
     def render(
         self,
         ref: Ref,
@@ -269,6 +277,7 @@ class Library(StoredLibrary):
         write_picture(motion, place, size=checked_count(size, "size"), fps=checked_number("fps", fps))
         return place
 
+    @one_snapshot
     def similar(
         self,
         ref: Ref | list[float],

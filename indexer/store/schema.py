@@ -143,6 +143,13 @@ def m001_first_tables(db: Database) -> None:
         db.table("captions").create_index(columns)
 
 
+@migration
+def m002_stamped_generations(db: Database) -> None:
+    """A random number for each generation, which a copy that goes on elsewhere does not share."""
+    db.table("generations").create({"generation": int, "stamp": int}, pk="generation", not_null={"stamp"})
+    db.execute("INSERT INTO generations SELECT value, random() FROM settings WHERE key = 'generation'")
+
+
 def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
     """A connection to a library's SQLite file; transactions are begun by hand (`transaction`).
 
@@ -161,7 +168,7 @@ def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
         connection = _connect(path, "rwc" if writable else "ro")
         version: int = connection.execute("PRAGMA user_version").fetchone()[0]
     except sqlite3.Error as error:
-        raise _cause(path, error) from error
+        raise cause(path, error) from error
     if version > len(MIGRATIONS):
         connection.close()
         raise LibraryError(f"{path}: written by a newer motionseek; update motionseek to open it")
@@ -171,8 +178,8 @@ def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
     return connection
 
 
-def _cause(path: Path, error: sqlite3.Error) -> LibraryError:
-    """Why a library file cannot be opened."""
+def cause(path: Path, error: sqlite3.Error) -> LibraryError:
+    """Why a library file cannot be opened or read."""
     if not path.parent.exists() or (not path.exists() and os.access(path.parent, os.W_OK)):
         return LibraryNotFound(f"{path}: there is no such file")
     if path.exists() and not os.access(path, os.R_OK):
@@ -183,19 +190,32 @@ def _cause(path: Path, error: sqlite3.Error) -> LibraryError:
     return kind(f"{path}: cannot be opened as a library ({error}); if it is damaged, delete its folder and index again")
 
 
+class FrozenConnection(sqlite3.Connection):
+    """A connection to a file that is taken not to change while it is open, without locks."""
+
+
 def _connect(path: Path, mode: str) -> sqlite3.Connection:
     uri = path.absolute().as_uri()
-    connection = sqlite3.connect(
-        f"{uri}?mode={mode}", uri=True, timeout=30, isolation_level=None, check_same_thread=False
-    )
-    if mode == "ro":
-        try:
-            connection.execute("PRAGMA user_version")
-        except sqlite3.OperationalError:
-            # On a read-only disk WAL's shared memory cannot be created; then the file does not change either.
-            connection.close()
-            connection = sqlite3.connect(f"{uri}?immutable=1", uri=True, isolation_level=None, check_same_thread=False)
-    return connection
+    try:
+        connection = sqlite3.connect(
+            f"{uri}?mode={mode}", uri=True, timeout=30, isolation_level=None, check_same_thread=False
+        )
+        connection.execute("PRAGMA user_version")
+        return connection
+    except sqlite3.OperationalError:
+        # In a read-only folder the shared memory of the log cannot be made. SQLite can do without, but leaves out what
+        # a killed writer or a copy has left in the log.
+        if mode != "ro" or not path.exists() or os.access(path.parent, os.W_OK):
+            raise
+        log = path.with_name(f"{path.name}-wal")
+        if log.exists() and log.stat().st_size:
+            raise LibraryError(
+                f"{path}: its last changes lie in {log.name}, which cannot be read in a read-only folder; "
+                "copy the whole folder to where you may write and open it there"
+            ) from None
+        return sqlite3.connect(
+            f"{uri}?immutable=1", uri=True, isolation_level=None, check_same_thread=False, factory=FrozenConnection
+        )
 
 
 def migrate(connection: sqlite3.Connection) -> None:

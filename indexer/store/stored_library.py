@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing
+from contextlib import closing, contextmanager, suppress
+from functools import wraps
 from os import PathLike, fspath
 from os.path import isfile
 from pathlib import Path, PurePath, PurePosixPath
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 from unicodedata import normalize
 
 import numpy as np
@@ -40,6 +42,11 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
+P = ParamSpec("P")
+R = TypeVar("R")
+AnyLibrary = TypeVar("AnyLibrary", bound="StoredLibrary")
+#: Device, number and time of a file.
+FileId = tuple[int, int, int]
 CaptionVectors = tuple[list[str], NDArray[np.int64], NDArray[np.float32]]
 
 #: The folder inside an indexed folder, and the file in it that is the truth.
@@ -58,6 +65,17 @@ _LARGEST_ID = 2**63 - 1
 _creating = threading.Lock()
 
 
+def one_snapshot(method: Callable[Concatenate[AnyLibrary, P], R]) -> Callable[Concatenate[AnyLibrary, P], R]:
+    """A method of a library all of whose reading is of one snapshot; see `StoredLibrary.reading`."""
+
+    @wraps(method)
+    def inside(self: AnyLibrary, /, *args: P.args, **kwargs: P.kwargs) -> R:
+        with self.reading():
+            return method(self, *args, **kwargs)
+
+    return inside
+
+
 class StoredLibrary:
     """A library as it lies on disk. Safe to share between threads; what others write is seen at the next call."""
 
@@ -67,7 +85,7 @@ class StoredLibrary:
         self._local = threading.local()
         self._closed = False
         self._connections: list[sqlite3.Connection] = []
-        self._captions: tuple[int, CaptionVectors] | None = None
+        self._captions: tuple[tuple[FileId, int], CaptionVectors] | None = None
         self.indexes = LibraryIndexes(folder / "vectors")
         if bundle is not None:
             self._check(bundle)
@@ -123,16 +141,61 @@ class StoredLibrary:
 
     @property
     def connection(self) -> sqlite3.Connection:
-        """This thread's connection; it can only read."""
+        """This thread's connection; it can only read. A library that was put in place of the first one is opened anew.
+
+        Raises
+        ------
+        LibraryNotFound
+            If the library was removed.
+        LibraryError
+            If it is closed or cannot be opened.
+        """
         if self._closed:
             raise LibraryError(f"{self.folder}: the library is closed")
         found: sqlite3.Connection | None = getattr(self._local, "connection", None)
-        if found is None:
-            found = self._local.connection = schema.connect(self.folder / FILE, writable=False)
-            found.create_function("nfc", 1, composed, deterministic=True)
-            found.create_function("folded", 1, folded, deterministic=True)
-            self._connections.append(found)
+        if found is not None and found.in_transaction:
+            return found
+        state = self._file_state()
+        if found is not None and self._local.file == _file_id(state, found):
+            return found
+        if found is not None:
+            self._connections.remove(found)
+            found.close()
+            self._local.connection = None
+        found = self._local.connection = schema.connect(self.folder / FILE, writable=False)
+        found.create_function("nfc", 1, composed, deterministic=True)
+        found.create_function("folded", 1, folded, deterministic=True)
+        self._local.file = _file_id(state, found)
+        self._connections.append(found)
         return found
+
+    def _file_state(self) -> os.stat_result:
+        try:
+            return (self.folder / FILE).stat()
+        except OSError as error:
+            raise LibraryNotFound(f"{self.folder / FILE}: cannot be reached any more ({error.strerror})") from None
+
+    @contextmanager
+    def reading(self) -> Iterator[sqlite3.Connection]:
+        """One snapshot of the library for all that this thread reads inside; inner ones are part of the outer one.
+
+        Raises
+        ------
+        LibraryDamaged, LibraryError
+            If it cannot be read.
+        """
+        connection = self.connection
+        if connection.in_transaction:
+            yield connection
+            return
+        connection.execute("BEGIN")
+        try:
+            yield connection
+        except sqlite3.DatabaseError as error:
+            raise schema.cause(self.folder / FILE, error) from error
+        finally:
+            with suppress(sqlite3.Error):  # closed meanwhile, or damaged
+                connection.execute("ROLLBACK")  # nothing was written
 
     @property
     def bundle(self) -> Encoder:
@@ -218,6 +281,7 @@ class StoredLibrary:
             ) from error
         return np.array([row[0] for row in rows], np.int64)
 
+    @one_snapshot
     def clip(self, id: int) -> Clip:
         """One clip.
 
@@ -231,6 +295,7 @@ class StoredLibrary:
             raise UnknownClip(f"{self.folder}: no clip #{shown(id)}")
         return found[id]
 
+    @one_snapshot
     def clips_by_id(self, ids: Iterable[int]) -> dict[int, Clip]:
         """The clips of these ids that exist, by id."""
         if not isinstance(ids, Iterable):
@@ -253,6 +318,7 @@ class StoredLibrary:
     def _select(self, condition: str, values: Sequence[Any]) -> list[Clip]:
         return select(self.connection, self._roots(), condition, values)
 
+    @one_snapshot
     def find(self, ref: str | PathLike[str]) -> Clip:
         """The clip that is meant; see `matches`.
 
@@ -273,6 +339,7 @@ class StoredLibrary:
             raise UnknownClip(f"{ref!s}: no clip of that {kind} in {self.folder}")
         return found[0]
 
+    @one_snapshot
     def matches(self, ref: str | PathLike[str]) -> list[Clip]:
         """The clips that a reference may mean, of the first reading that gives any.
 
@@ -318,6 +385,7 @@ class StoredLibrary:
         names = root_names(roots).items() if len(roots) > 1 else ()
         return [*names, *((key, root.as_posix()) for key, root in roots.items())]
 
+    @one_snapshot
     def motion(self, id: int, start: float | None = None, end: float | None = None) -> Motion:
         """The clip's motion, or a span of it in seconds, out of the stored poses.
 
@@ -351,6 +419,7 @@ class StoredLibrary:
             raise LibraryDamaged(f"{clip.path}: stored poses are incomplete; delete the library folder and index again")
         return Motion(np.concatenate(joints)[first - skipped : last - skipped], FPS)
 
+    @one_snapshot
     def captions(self, id: int) -> list[Caption]:
         """The captions of a clip, in the order in which they were read.
 
@@ -367,12 +436,13 @@ class StoredLibrary:
         )
         return list(dict.fromkeys(Caption(*row) for row in rows))
 
+    @one_snapshot
     def caption_vectors(self) -> CaptionVectors:
         """Every caption of every clip: texts, clip ids (N,), unit vectors (N, D); not to be changed."""
-        generation = self.generation
-        if self._captions is None or self._captions[0] != generation:
-            self._captions = generation, self._read_caption_vectors()
-        return self._captions[1]
+        held, state = self._captions, (self._local.file, self.generation)
+        if held is None or held[0] != state:
+            held = self._captions = state, self._read_caption_vectors()
+        return held[1]
 
     def _read_caption_vectors(self) -> CaptionVectors:
         rows = self.connection.execute(
@@ -402,7 +472,8 @@ class StoredLibrary:
 
         `allowed` are the sorted ids to choose from, None for all. Where there are fewer than k the id is -1.
         """
-        return self.indexes.current(CLIPS, self.connection).search(queries, k, allowed=allowed)[:2]
+        with self.reading() as connection:
+            return self.indexes.current(CLIPS, connection).search(queries, k, allowed=allowed)[:2]
 
     def nearest_windows(
         self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None
@@ -411,13 +482,16 @@ class StoredLibrary:
 
         `allowed` are the sorted clip ids to choose from, None for all. Where there are fewer than k the id is -1.
         """
-        return self.indexes.current(WINDOWS, self.connection).search(queries, k, allowed=allowed)
+        with self.reading() as connection:
+            return self.indexes.current(WINDOWS, connection).search(queries, k, allowed=allowed)
 
     def prepare(self) -> None:
         """Bring the vector indexes and their files up to date now rather than at the next query."""
-        for kind in (CLIPS, WINDOWS):
-            self.indexes.current(kind, self.connection)
+        with self.reading() as connection:
+            for kind in (CLIPS, WINDOWS):
+                self.indexes.current(kind, connection)
 
+    @one_snapshot
     def windows(self, id: int) -> list[Windows]:
         """The windows of a clip, shortest length first."""
         clip = self.clip(id)
@@ -428,15 +502,23 @@ class StoredLibrary:
         )
         return [Windows.of(length, clip.duration, starts, vectors) for length, starts, vectors in rows]
 
+    @one_snapshot
     def failures(self) -> list[tuple[str, str]]:
         """Files that could not be read, with the reason, as of the last time each was tried."""
         roots = self._roots()
         rows = self.connection.execute("SELECT root_id, path, reason FROM files WHERE state = 'failed' ORDER BY path")
         return [(str(roots[root] / path), reason) for root, path, reason in rows]
 
+    @one_snapshot
     def stats(self) -> dict[str, Any]:
         """What the library holds, in numbers; see `indexer.store.stats.stats`."""
         return stats(self.connection, self.folder, self.roots)
+
+
+def _file_id(state: os.stat_result, connection: sqlite3.Connection) -> FileId:
+    """What tells the file that a connection reads from one put in its place, or changed where it must not."""
+    may_change = not isinstance(connection, schema.FrozenConnection)
+    return state.st_dev, state.st_ino, 0 if may_change else state.st_mtime_ns
 
 
 def _one(connection: sqlite3.Connection, query: str) -> dict[str, Any] | None:

@@ -37,6 +37,7 @@ class Writer:
                 1 + self.connection.execute("SELECT value FROM settings WHERE key = 'generation'").fetchone()[0]
             )
             self.connection.execute("UPDATE settings SET value = ? WHERE key = 'generation'", (self._generation,))
+            self.connection.execute("INSERT INTO generations VALUES (?, random())", (self._generation,))
             yield
 
     def check_model(self, bundle: Encoder, *, current: bool = True) -> None:

@@ -1,7 +1,7 @@
 """Vector indexes on disk: derived from the library, written whole or not at all, verified when read.
 
-Each lies in a folder of its own, `<name>.<generation>.<random>`, whose manifest names the library and model it was
-made from and the digest of each part.
+Each lies in a folder of its own, `<name>.<generation>.<random>`, whose manifest names the library's state it was made
+from and the checksum of each part.
 """
 
 from __future__ import annotations
@@ -11,25 +11,45 @@ import os
 import shutil
 import tempfile
 import time
-from hashlib import blake2b
+import zlib
+from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
 from indexer.vectors.faiss_index import FaissIndex, block_from_index
 
-_FORMAT = 1
+#: Generation -> what its vectors are of.
+OriginOf = Callable[[int], str | None]
+
+_FORMAT = 2
 _INDEX, _OWNERS, _SPANS, _MANIFEST = "index.faiss", "owners.npy", "spans.npy", "manifest.json"
-#: Seconds after which a half-written index is taken for abandoned.
-_ABANDONED = 3600.0
 _PARTS = (_INDEX, _OWNERS, _SPANS)
+#: Seconds after which a half-written index is taken for abandoned, and for which one is kept that has a successor:
+#: other readers may be opening it.
+_ABANDONED, _KEPT = 3600.0, 60.0
+#: How often the folder is listed again where an index vanished while it was opened.
+_ATTEMPTS = 4
+#: Bytes read at a time.
+_PIECE = 1 << 22
 
 
-def save(vectors: FaissIndex, folder: Path, name: str, model: str) -> FaissIndex:
-    """Write the index as `<folder>/<name>.<generation>.<random>/`: whole or not at all. Older ones go.
+def save(vectors: FaissIndex, folder: Path, name: str, origin: str, *, mapped: bool = True) -> FaissIndex:
+    """Write the index as `<folder>/<name>.<generation>.<random>/`: whole or not at all.
 
-    The index that is returned is that of the files, so that the one that was written need not stay in memory.
-    Raises OSError where the folder cannot be written.
+    Parameters
+    ----------
+    origin : str
+        What the vectors are of.
+    mapped : bool
+        Give back the index of the files, so that the one that was written need not stay in memory.
+
+    Raises
+    ------
+    OSError, RuntimeError
+        Where it cannot be written; FAISS raises the latter.
     """
     import faiss
 
@@ -44,8 +64,8 @@ def save(vectors: FaissIndex, folder: Path, name: str, model: str) -> FaissIndex
         manifest = {
             "format": _FORMAT,
             "generation": vectors.generation,
-            "model": model,
-            "digest": {part: _digest(fresh / part) for part in _PARTS},
+            "origin": origin,
+            "checksums": {part: _checksum(fresh / part) for part in _PARTS},
         }
         (fresh / _MANIFEST).write_text(json.dumps(manifest))
         for path in (*fresh.iterdir(), fresh):
@@ -56,41 +76,54 @@ def save(vectors: FaissIndex, folder: Path, name: str, model: str) -> FaissIndex
     except BaseException:
         shutil.rmtree(fresh, ignore_errors=True)
         raise
-    left = [path for path in folder.glob(f".{name}.*") if time.time() - path.stat().st_mtime > _ABANDONED]
-    for old in {*_files(folder, name), *left} - {made}:
-        shutil.rmtree(old, ignore_errors=True)
-    return _mapped(made, vectors.generation)
+    _remove_superseded(folder, name)
+    return _read(made, vectors.generation, mapped=True) if mapped else vectors
 
 
-def load(folder: Path, name: str, model: str, size: int) -> FaissIndex | None:
-    """The newest intact index of this model on disk, memory-mapped; None where there is none."""
-    for path in _files(folder, name):
-        try:
-            return _load(path, model, size)
-        except (OSError, ValueError, KeyError, RuntimeError):
-            continue  # damaged, half deleted or of another model: the library has all it held
+def load(folder: Path, name: str, origin_of: OriginOf, size: int, *, mapped: bool = True) -> FaissIndex | None:
+    """The newest intact index on disk of a generation and origin that the library knows; None where there is none.
+
+    Parameters
+    ----------
+    origin_of : callable
+        Generation -> what its vectors are of, None where the library has not been through it.
+    size : int
+        Of a vector.
+    mapped : bool
+        Map the files instead of reading them. Whoever truncates a mapped file kills the process.
+    """
+    for _ in range(_ATTEMPTS):
+        vanished = False
+        for path in _files(folder, name):
+            try:
+                return _load(path, origin_of, size, mapped=mapped)
+            except (OSError, ValueError, KeyError, TypeError, AttributeError, RuntimeError):
+                vanished |= not path.exists()  # else damaged or of another origin: the library has all it held
+        if not vanished:
+            break
     return None
 
 
-def _load(path: Path, model: str, size: int) -> FaissIndex:
+def _load(path: Path, origin_of: OriginOf, size: int, *, mapped: bool) -> FaissIndex:
     manifest = json.loads((path / _MANIFEST).read_text())
-    if manifest["format"] != _FORMAT or manifest["model"] != model:
-        raise ValueError("made from another model or in another version")
-    for part, digest in manifest["digest"].items():
-        if part not in _PARTS or _digest(path / part) != digest:
+    if manifest["format"] != _FORMAT or manifest["origin"] != origin_of(manifest["generation"]):
+        raise ValueError("made from another library or model, or in another version")
+    for part in _PARTS:
+        if _checksum(path / part) != manifest["checksums"][part]:
             raise ValueError(f"{part} is damaged")
-    vectors = _mapped(path, int(manifest["generation"]))
+    vectors = _read(path, int(manifest["generation"]), mapped=mapped)
     if vectors.size != size:
         raise ValueError("vectors of another size")
     return vectors
 
 
-def _mapped(path: Path, generation: int) -> FaissIndex:
+def _read(path: Path, generation: int, *, mapped: bool) -> FaissIndex:
     import faiss
 
-    index = faiss.read_index(str(path / _INDEX), faiss.IO_FLAG_MMAP_IFC)
-    owners = np.load(path / _OWNERS, mmap_mode="r", allow_pickle=False)
-    spans = np.load(path / _SPANS, mmap_mode="r", allow_pickle=False)
+    index = faiss.read_index(str(path / _INDEX), faiss.IO_FLAG_MMAP_IFC if mapped else 0)
+    mode: Literal["r"] | None = "r" if mapped else None
+    owners = np.load(path / _OWNERS, mmap_mode=mode, allow_pickle=False)
+    spans = np.load(path / _SPANS, mmap_mode=mode, allow_pickle=False)
     if len(owners) != index.ntotal or spans.shape != (index.ntotal, 2):
         raise ValueError("parts do not fit together")
     return FaissIndex(generation, block_from_index(owners, spans, index))
@@ -99,19 +132,32 @@ def _mapped(path: Path, generation: int) -> FaissIndex:
 def _files(folder: Path, name: str) -> list[Path]:
     """Index folders of that name, newest generation first."""
     found = [(path.name.split("."), path) for path in folder.glob(f"{name}.*.*")]
-    return [
-        path
-        for parts, path in sorted(found, key=lambda item: (-int(item[0][1]) if item[0][1].isdigit() else 1, item[1]))
-        if parts[1].isdigit()
-    ]
+    known = [(int(parts[1]), path) for parts, path in found if parts[1].isdecimal()]
+    return [path for _, path in sorted(known, key=lambda item: (-item[0], item[1]))]
 
 
-def _digest(path: Path) -> str:
-    """A checksum at memory speed: sums of 4 KiB blocks, hashed with the size."""
-    data = np.memmap(path, np.uint8, "r")
-    whole = len(data) // 4096 * 4096
-    sums = data[:whole].view(np.uint64).reshape(-1, 512).sum(axis=1, dtype=np.uint64)
-    return blake2b(sums.tobytes() + data[whole:].tobytes() + str(len(data)).encode(), digest_size=16).hexdigest()
+def _remove_superseded(folder: Path, name: str) -> None:
+    """Remove the indexes whose successor has been there for a while, and what a killed process has half written."""
+
+    def made(path: Path) -> float:
+        try:
+            return path.stat().st_mtime
+        except OSError:  # another process has removed it
+            return 0.0
+
+    now, files = time.time(), sorted(_files(folder, name), key=made, reverse=True)
+    old = [path for newer, path in pairwise(files) if now - made(newer) > _KEPT]
+    for path in old + [path for path in folder.glob(f".{name}.*") if now - made(path) > _ABANDONED]:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+def _checksum(path: Path) -> int:
+    """CRC-32 of a file. It is read, not mapped: one that is truncated meanwhile only gives another checksum."""
+    value = 0
+    with path.open("rb") as file:
+        while piece := file.read(_PIECE):
+            value = zlib.crc32(piece, value)
+    return value
 
 
 def _sync(path: Path) -> None:

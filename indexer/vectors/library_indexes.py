@@ -35,83 +35,125 @@ CLIPS = IndexKind("clips", f"SELECT clip_id, duration, NULL, NULL, vector FROM e
 WINDOWS = IndexKind("windows", f"SELECT clip_id, duration, length, starts, vectors FROM windows {_CHANGED}, length")
 
 
+#: Indexes of a kind in memory: the newest, and where both share their main block that of the generation before, which
+#: another thread may be reading.
+_HELD = 2
+
+
 class LibraryIndexes:
     """The indexes of one library; brought up to date when they are requested."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._lock = threading.Lock()
-        self._held: dict[str, tuple[str, FaissIndex]] = {}
+        self._held: dict[str, list[_Held]] = {CLIPS.name: [], WINDOWS.name: []}
 
     def current(self, kind: IndexKind, connection: sqlite3.Connection, *, serving: bool = False) -> FaissIndex:
-        """The index of this kind as of now: from memory, else from its file, caught up with what changed since.
+        """The index of this kind as of the snapshot that the connection reads.
 
-        With `serving` it is prepared for many searches; see `FaissIndex.for_serving`.
+        It comes from memory, else from its file, caught up with what changed since.
+
+        Parameters
+        ----------
+        connection : sqlite3.Connection
+            In a transaction, so that all that is read is of one generation.
+        serving : bool
+            Prepare it for many searches (see `FaissIndex.for_serving`), and map no file.
         """
-        held = self._held.get(kind.name)
-        if held is not None and _state(connection)[:2] == (held[1].generation, held[0]):
-            return held[1]
+        assert connection.in_transaction
+        state = _State.of(connection)
         with self._lock:
-            connection.execute("BEGIN")  # one snapshot for all that is read
-            try:
-                index = self._refresh(kind, connection, serving)
-            finally:
-                connection.execute("COMMIT")
-        return index
+            held = next((held for held in self._held[kind.name] if held.is_known_to(state)), None)
+            if held is None or held.index.generation < state.generation:
+                held = self._refresh(kind, state, held, serving)
+            return held.index
 
     def since(self, kind: IndexKind, connection: sqlite3.Connection, generation: int) -> IndexRows:
         """The rows of the live clips that came or changed after a generation."""
-        _, _, model_id, size = _state(connection)
-        return _rows(connection, kind, model_id, generation, size)
+        return _rows(kind, _State.of(connection), generation)
 
-    def _refresh(self, kind: IndexKind, connection: sqlite3.Connection, serving: bool) -> FaissIndex:
-        generation, model, model_id, size = _state(connection)
-        known, index = self._held.get(kind.name, ("", None))
-        if index is None or known != model or index.generation > generation:
-            index = load(self._folder, kind.name, model, size)
-        if index is None or index.generation > generation:
-            rows = _rows(connection, kind, model_id, -1, size)
-            index = self._saved(kind, model, FaissIndex.of(generation, rows))
-        elif index.generation < generation:
-            changed = connection.execute("SELECT id FROM clips WHERE generation > ?", (index.generation,))
+    def _refresh(self, kind: IndexKind, state: _State, held: _Held | None, serving: bool) -> _Held:
+        """The index of a state, from an older one in memory or on disk; it is held from now on."""
+        origin = state.origin_of(state.generation) or ""
+        index = held.index if held else load(self._folder, kind.name, state.origin_of, state.size, mapped=not serving)
+        if index is None:
+            index = FaissIndex.of(state.generation, _rows(kind, state, -1))
+            index = self._saved(kind, origin, index, serving)
+        elif index.generation < state.generation:
+            changed = state.connection.execute("SELECT id FROM clips WHERE generation > ?", (index.generation,))
             remove = np.array([row[0] for row in changed], np.int64)
-            added = _rows(connection, kind, model_id, index.generation, size)
+            added = _rows(kind, state, index.generation)
             compact_at = COMPACT_AT_SERVING if serving else COMPACT_AT
-            caught_up = index.update(generation, remove=remove, add=added, compact_at=compact_at)
-            index = caught_up if caught_up.shares_block(index) else self._saved(kind, model, caught_up)
-        index = index.for_serving() if serving else index
-        self._held[kind.name] = (model, index)
-        return index
+            caught_up = index.update(state.generation, remove=remove, add=added, compact_at=compact_at)
+            index = caught_up if caught_up.shares_block(index) else self._saved(kind, origin, caught_up, serving)
+        fresh = _Held(origin, index.for_serving() if serving else index)
+        before = [other for other in self._held[kind.name] if other.index.shares_block(fresh.index)]
+        self._held[kind.name] = [fresh, *before][:_HELD]
+        return fresh
 
-    def _saved(self, kind: IndexKind, model: str, index: FaissIndex) -> FaissIndex:
+    def _saved(self, kind: IndexKind, origin: str, index: FaissIndex, serving: bool) -> FaissIndex:
         """Save the index where the folder can be written; it is derived data, so elsewhere nothing is lost."""
         if len(index) and os.access(self._folder.parent, os.W_OK):
             try:
-                return save(index, self._folder, kind.name, model)
-            except (OSError, RuntimeError):  # FAISS raises RuntimeError where another reader has replaced the file
+                return save(index, self._folder, kind.name, origin, mapped=not serving)
+            except (OSError, RuntimeError):  # FAISS raises RuntimeError where a file cannot be written
                 pass
         return index
 
 
-def _state(connection: sqlite3.Connection) -> tuple[int, str, int, int]:
-    """The library's generation; what its vectors are of (library and model); the model's id and vector size."""
-    settings = dict(connection.execute("SELECT key, value FROM settings").fetchall())
-    model = connection.execute(
-        "SELECT fingerprint, id, size FROM models WHERE id = ?", (settings.get("model"),)
-    ).fetchone()
-    fingerprint, model_id, size = model or ("", -1, 1)
-    return settings["generation"], f"{settings['identity']:x} {fingerprint}", model_id, size
+@dataclass(frozen=True)
+class _State:
+    """What a snapshot of the library says of its indexes: the generation, and the model whose vectors are searched."""
+
+    connection: sqlite3.Connection
+    generation: int
+    identity: int
+    fingerprint: str
+    model_id: int
+    size: int
+
+    @classmethod
+    def of(cls, connection: sqlite3.Connection) -> _State:
+        settings = dict(connection.execute("SELECT key, value FROM settings").fetchall())
+        model = connection.execute(
+            "SELECT fingerprint, id, size FROM models WHERE id = ?", (settings.get("model"),)
+        ).fetchone()
+        return cls(connection, settings["generation"], settings["identity"], *(model or ("", -1, 1)))
+
+    def origin_of(self, generation: int) -> str | None:
+        """What the vectors of a generation are of; None where the library has not been through it.
+
+        A library that is copied and goes on elsewhere comes to the same number of a generation with other content.
+        """
+        try:
+            row = self.connection.execute(
+                "SELECT stamp FROM generations WHERE generation = ?", (generation,)
+            ).fetchone()
+        except sqlite3.OperationalError:  # a library of an earlier version, which only `index` brings up to date
+            row = (0,)
+        return None if row is None else f"{self.identity:x} {row[0]:x} {self.fingerprint}"
 
 
-def _rows(connection: sqlite3.Connection, kind: IndexKind, model_id: int, generation: int, size: int) -> IndexRows:
+@dataclass(frozen=True)
+class _Held:
+    """An index in memory, and what it was made from."""
+
+    origin: str
+    index: FaissIndex
+
+    def is_known_to(self, state: _State) -> bool:
+        return self.index.generation <= state.generation and self.origin == state.origin_of(self.index.generation)
+
+
+def _rows(kind: IndexKind, state: _State, generation: int) -> IndexRows:
     """The vectors of the live clips that changed after `generation`."""
-    parts = list(_parts(connection.execute(kind.query, (model_id, generation))))
+    parts = list(_parts(state.connection.execute(kind.query, (state.model_id, generation))))
     if not parts:
-        return IndexRows.none(size)
+        return IndexRows.none(state.size)
     counts = [len(starts) for _, starts, _, _ in parts]
     owners = np.repeat(np.array([owner for owner, *_ in parts], np.int64), counts)
     spans = np.stack([np.concatenate([part[column] for part in parts]) for column in (1, 2)], axis=1)
-    packed = np.frombuffer(b"".join(part[3] for part in parts), np.float16).reshape(-1, size)
+    packed = np.frombuffer(b"".join(part[3] for part in parts), np.float16).reshape(-1, state.size)
     return IndexRows(owners, spans, packed)
 
 

@@ -68,7 +68,7 @@ class AppState:
         return self.library.encode(question)
 
     async def run_slow(self, work: Callable[[], Value]) -> Value:
-        """The result of slow work, run in a thread, only a few at the same time.
+        """The result of slow work on one snapshot of the library, run in a thread, only a few at the same time.
 
         Raises
         ------
@@ -77,7 +77,11 @@ class AppState:
         """
         if self._slow.statistics().tasks_waiting >= _SLOW_QUEUE:
             raise ServerBusy
-        return await run_sync(work, limiter=self._slow)
+        return await run_sync(self._on_snapshot, work, limiter=self._slow)
+
+    def _on_snapshot(self, work: Callable[[], Value]) -> Value:
+        with self.library.reading():
+            return work()
 
     async def cached(self, key: Sequence[Hashable], make: Callable[[], bytes]) -> bytes:
         """The cached response of the library's present generation, else `make()`, run as slow work."""

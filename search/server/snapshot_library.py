@@ -1,13 +1,16 @@
 """A library for concurrent readers: indexes, rows and query vectors in memory, kept up to date in the background.
 
 Searches run on a snapshot of the indexes. A thread replaces it when the library on disk has changed, so that no search
-waits for an index to be updated.
+waits for an index to be updated: while clips were only added, an answer without them is one of the generation before.
+Where a clip was changed or removed, the question that comes first catches up.
 """
 
 from __future__ import annotations
 
+import sqlite3
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +21,7 @@ from numpy.typing import NDArray
 from encoders.errors import MotionSeekError
 from encoders.protocol import Encoder
 from indexer.store.clips import Caption, Clip
+from indexer.store.stored_library import FileId
 from indexer.vectors.faiss_index import FaissIndex
 from indexer.vectors.library_indexes import CLIPS, WINDOWS
 from search.hits import Hits
@@ -35,14 +39,16 @@ Vectors = NDArray[np.float32]
 _POLL_SECONDS = 0.5
 #: By how much a score may differ between two orders of summation.
 _ROUNDING = 1e-5
+#: How often a question waits for the library to be caught up with before it reads what it needs for itself.
+_ATTEMPTS = 3
 _CHANGED = "SELECT id FROM clips WHERE generation > ?"
-_NEWEST = "SELECT coalesce(max(id), 0) FROM clips WHERE generation <= ?"
 
 
 @dataclass(frozen=True)
 class Snapshot:
     """The indexes of one generation, the number of clips, the highest clip id, and the captions' generation."""
 
+    file: FileId
     generation: int
     clips: FaissIndex
     windows: FaissIndex
@@ -78,9 +84,10 @@ class SnapshotLibrary(Library):
         self._id_cache: LruCache[Ids] = LruCache(64)
         self._clip_cache: LruCache[Clip] = LruCache(20_000)
         self._caption_cache: LruCache[list[Caption]] = LruCache(20_000)
-        self._snapshot = self._take_snapshot()
+        with super().reading():
+            self._snapshot = self._take_snapshot()
         self.answer_cache = AnswerCache(self._snapshot.generation)
-        self._refreshing = threading.Lock()
+        self._refreshing, self._caching = threading.Lock(), threading.Lock()
         self._stop = threading.Event()
         self._watcher = threading.Thread(target=self._watch, daemon=True, name="library refresh")
 
@@ -101,44 +108,91 @@ class SnapshotLibrary(Library):
 
     @property
     def snapshot(self) -> Snapshot:
-        """The snapshot that is searched now.
+        """The snapshot that is searched now; inside `reading` always the same.
 
         Raises
         ------
-        BundleMismatch
-            If the library was re-encoded with another model since it was opened.
+        MotionSeekError
+            If the library cannot be searched: it was removed, or re-encoded with another model since it was opened.
         """
         if self._error is not None:
             raise self._error
-        return self._snapshot
+        pinned: Snapshot | None = getattr(self._local, "snapshot", None)
+        return pinned or self._snapshot
+
+    @contextmanager
+    def reading(self) -> Iterator[sqlite3.Connection]:
+        """See `StoredLibrary.reading`; the indexes are those of the same generation, but for clips added since."""
+        if getattr(self._local, "snapshot", None) is not None:
+            with super().reading() as connection:
+                yield connection
+            return
+        for _ in range(_ATTEMPTS):
+            with super().reading() as connection:
+                snapshot = self._snapshot
+                if not self._is_outdated(snapshot):
+                    with self._pinned(snapshot):
+                        yield connection
+                    return
+            self.refresh()
+        with super().reading() as connection, self._pinned(self._take_snapshot()):
+            yield connection
+
+    @contextmanager
+    def _pinned(self, snapshot: Snapshot) -> Iterator[None]:
+        """Let this thread see that snapshot."""
+        self._local.snapshot = snapshot
+        try:
+            yield
+        finally:
+            self._local.snapshot = None
+
+    def _is_outdated(self, snapshot: Snapshot) -> bool:
+        """Whether a clip of the snapshot was changed or removed, or a caption, in the state that is read."""
+        return (
+            self._local.file != snapshot.file
+            or self.generation < snapshot.generation
+            or self.captions_generation > snapshot.generation
+            or any(id <= snapshot.newest for (id,) in self.connection.execute(_CHANGED, (snapshot.generation,)))
+        )
 
     def refresh(self) -> bool:
         """Catch up with the library on disk; whether it has changed."""
         with self._refreshing:
-            if self.generation == self._snapshot.generation and self._error is None:
-                return False
             try:
-                self._check(self.bundle)
-                new = self._take_snapshot()
-                self._invalidate_answers(new.generation)
-                before, self._snapshot = self._snapshot.generation, new
-                self._clip_cache.drop(id for (id,) in self.connection.execute(_CHANGED, (before,)))
-                self._error = None
+                with super().reading():
+                    if self._error is None and self._state() == (self._snapshot.file, self._snapshot.generation):
+                        return False
+                    self._catch_up()
             except MotionSeekError as error:
                 self._error = error
             return True
 
-    def _invalidate_answers(self, generation: int) -> None:
-        """Drop the cached answers that may be stale in this generation."""
-        before, connection = self._snapshot, self.connection
-        if self.captions_generation > before.generation:
-            self.answer_cache.clear(generation)  # a caption in an answer may have changed
-            return
-        if any(id <= before.newest for (id,) in connection.execute(_CHANGED, (before.generation,))):
-            self.answer_cache.clear(generation)  # a clip that was removed or changed may have displaced another one
-            return
-        added = [self.indexes.since(kind, connection, before.generation).vectors for kind in (CLIPS, WINDOWS)]
-        self.answer_cache.grow(generation, np.concatenate(added).astype(np.float32))
+    def _state(self) -> tuple[FileId, int]:
+        return self._local.file, self.generation
+
+    def _catch_up(self) -> None:
+        before = self._snapshot
+        self._check(self.bundle)
+        new = self._take_snapshot()
+        if new.file != before.file or new.generation < before.generation:
+            self._replace(before, new, self._id_cache, self._clip_cache, self._caption_cache)
+        elif self._is_outdated(before):
+            self._replace(before, new)
+        else:
+            added = [self.indexes.since(kind, self.connection, before.generation).vectors for kind in (CLIPS, WINDOWS)]
+            self.answer_cache.grow(new.generation, np.concatenate(added).astype(np.float32))
+            self._snapshot = new
+        self._error = None
+
+    def _replace(self, before: Snapshot, new: Snapshot, *caches: LruCache[Any]) -> None:
+        """Search another snapshot, in which what was cached may be wrong."""
+        with self._caching:
+            self._snapshot = new
+            self._clip_cache.drop(id for (id,) in self.connection.execute(_CHANGED, (before.generation,)))
+            for cache in caches:
+                cache.clear()
+        self.answer_cache.clear(new.generation)
 
     def stale_criterion(self, request: SearchRequest, hits: Hits) -> StaleCriterion:
         """What makes the answer to a request stale: an added row that scores as much as its last hit."""
@@ -147,9 +201,8 @@ class SnapshotLibrary(Library):
 
     def _take_snapshot(self) -> Snapshot:
         clips, windows = (self.indexes.current(kind, self.connection, serving=True) for kind in (CLIPS, WINDOWS))
-        generation = min(clips.generation, windows.generation)
-        (newest,) = self.connection.execute(_NEWEST, (generation,)).fetchone()
-        return Snapshot(generation, clips, windows, len(clips), newest, self.captions_generation)
+        (newest,) = self.connection.execute("SELECT coalesce(max(id), 0) FROM clips").fetchone()
+        return Snapshot(*self._state(), clips, windows, len(clips), newest, self.captions_generation)
 
     def _watch(self) -> None:
         while not self._stop.wait(_POLL_SECONDS):
@@ -183,9 +236,10 @@ class SnapshotLibrary(Library):
         snapshot = self.snapshot
         cached = {int(i): self._clip_cache.get(int(i)) for i in ids}
         new = super().clips_by_id([i for i, clip in cached.items() if clip is None])
-        for i, clip in new.items():
-            if snapshot is self._snapshot:  # else it may have changed since it was read
-                self._clip_cache.put(i, clip)
+        with self._caching:
+            if snapshot is self._snapshot:  # else they may have changed since they were read
+                for i, clip in new.items():
+                    self._clip_cache.put(i, clip)
         found = {i: new.get(i) if clip is None else clip for i, clip in cached.items()}
         return {i: clip for i, clip in found.items() if clip is not None}
 
@@ -218,16 +272,8 @@ class SnapshotLibrary(Library):
 
     def _hits_or_error(self, request: SearchRequest) -> Hits | Exception:
         try:
-            return self._search_once(request)
-        except KeyError:  # a clip was removed after the snapshot
-            self.refresh()
+            with self.reading():
+                self.snapshot  # noqa: B018  raises where the library cannot be searched
+                return self.search_encoded(request.question, request.k, **request.filters)
         except Exception as error:
             return error
-        try:
-            return self._search_once(request)
-        except Exception as error:
-            return error
-
-    def _search_once(self, request: SearchRequest) -> Hits:
-        self.snapshot  # noqa: B018  raises where the library cannot be searched
-        return self.search_encoded(request.question, request.k, **request.filters)

@@ -23,9 +23,10 @@ def routes(state: AppState) -> APIRouter:
     @router.get("/stats", responses=ok(response_models.StatsResponse))
     def stats() -> Response:
         """Statistics of the library; roots by name, as absolute paths are not published."""
-        found = library.stats()
-        del found["folder"]
-        return json_response(found | {"roots": library.root_names, "version": version("motionseek")})
+        with library.reading():
+            found = library.stats()
+            del found["folder"]
+            return json_response(found | {"roots": library.root_names, "version": version("motionseek")})
 
     @router.get("/map", responses=ok(response_models.MapResponse))
     async def whole_map() -> Response:

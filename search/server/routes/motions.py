@@ -21,6 +21,7 @@ from search.server.exception_handlers import ANY, NO_CLIP, ok
 from search.server.parameters import ClipInPath, ClipParam, CountParam, FilterParams, SpanParams
 from search.server.responses import json_response
 from search.server.uploads.upload_store import Upload
+from search.source import MotionSource
 
 _BYTES: dict[int | str, dict[str, Any]] = {
     200: {"content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}}
@@ -41,16 +42,18 @@ def routes(state: AppState) -> APIRouter:
         given: FilterParams, offset: Annotated[int, Query(ge=0, le=10**9)] = 0, limit: CountParam = 24
     ) -> Response:
         """The clips of the library in order of their numbers, one page of them."""
-        allowed = library.allowed(**given)
-        ids = library.ids() if allowed is None else allowed
-        clips = library.clips_by_id(ids[offset : offset + limit].tolist())
-        return json_response({"total": len(ids), "motions": [clip_document(clip) for clip in clips.values()]})
+        with library.reading():
+            allowed = library.allowed(**given)
+            ids = library.ids() if allowed is None else allowed
+            clips = library.clips_by_id(ids[offset : offset + limit].tolist())
+            return json_response({"total": len(ids), "motions": [clip_document(clip) for clip in clips.values()]})
 
     @router.get("/motions/{clip}", responses=ok(response_models.MotionResponse) | NO_CLIP)
     def motion(clip: ClipInPath) -> Response:
         """The metadata of a motion."""
-        found = state.clip(clip)
-        return json_response(_upload_document(found) if isinstance(found, Upload) else clip_document(found))
+        with library.reading():
+            found = state.clip(clip)
+            return json_response(_upload_document(found) if isinstance(found, Upload) else clip_document(found))
 
     @router.get("/motions/{clip}/joints", responses=_BYTES | NO_CLIP)
     def motion_joints(
@@ -62,7 +65,8 @@ def routes(state: AppState) -> APIRouter:
         headers = {"ETag": tag, "Cache-Control": "private, no-cache"}
         if request.headers.get("if-none-match") == tag:
             return Response(status_code=304, headers=headers)
-        cut, begin = _cut(state, clip, start or 0.0, end)
+        with library.reading():
+            cut, begin = _cut(state, clip, start or 0.0, end)
         data = joints_binary.pack(cut if fps == cut.fps else cut.resample(fps), begin)
         return Response(data, media_type="application/octet-stream", headers=headers)
 
@@ -76,13 +80,12 @@ def routes(state: AppState) -> APIRouter:
         """A motion, or a span of it, as a file."""
         folder = tempfile.TemporaryDirectory(prefix="motionseek-")
         try:
-            source = state.source(clip)
             out = Path(folder.name) / f"cut.{format}"
-            await state.run_slow(lambda: write_cut(source, out, *span))
+            path = await state.run_slow(lambda: _write(state.source(clip), out, *span))
         except BaseException:
             folder.cleanup()
             raise
-        name = _file_name(PurePosixPath(source.path).stem, *span, format)
+        name = _file_name(PurePosixPath(path).stem, *span, format)
         return FileResponse(
             out,
             media_type="application/octet-stream",
@@ -102,6 +105,12 @@ def _cut(state: AppState, ref: str, start: float, end: float | None) -> tuple[Mo
     else:
         cut, frames = state.library.motion(found.id, start, end), found.frames
     return cut, min(round(start * cut.fps), frames - 1) / cut.fps
+
+
+def _write(source: MotionSource, out: Path, start: float | None, end: float | None) -> str:
+    """Write a span of a motion as a file; the motion's path."""
+    write_cut(source, out, start, end)
+    return source.path
 
 
 def _upload_document(upload: Upload) -> dict[str, Any]:

@@ -1,5 +1,7 @@
 """The library as its readers see it."""
 
+import os
+import sqlite3
 import threading
 
 import numpy as np
@@ -16,6 +18,7 @@ from encoders.errors import (
 )
 from encoders.motion import Motion
 from indexer.ingest import indexing
+from indexer.ingest.arrays import NewClip, add
 from indexer.ingest.pool import Read
 from indexer.store import poses, schema
 from indexer.store.stored_library import FILE, FOLDER, Caption, StoredLibrary
@@ -413,3 +416,63 @@ def test_names_and_captions_can_be_searched_as_text(library):
         "SELECT text FROM texts WHERE id IN (SELECT rowid FROM texts_fts WHERE texts_fts MATCH 'turns')"
     ).fetchall()
     assert found == [("turns left",)]
+
+
+def test_a_log_that_cannot_be_read_is_not_left_out_without_a_word(tmp_path, monkeypatch):
+    """SQLite cannot read a log in a read-only folder without its shared memory, and would ignore it as immutable."""
+    add(tmp_path, [NewClip("a", moving(1))], SmallBundle())
+    real = sqlite3.connect
+
+    def connect(database, **options):
+        if "mode=ro" in str(database):
+            raise sqlite3.OperationalError("unable to open database file")
+        return real(database, **options)
+
+    monkeypatch.setattr("indexer.store.schema.sqlite3.connect", connect)
+    monkeypatch.setattr("indexer.store.schema.os.access", lambda path, mode: mode != os.W_OK)
+    with StoredLibrary.open(tmp_path) as library:
+        assert len(library) == 1
+    (tmp_path / "library.sqlite-wal").write_bytes(b"changes")
+    with pytest.raises(LibraryError, match=r"library\.sqlite-wal.*copy the whole folder"):
+        StoredLibrary.open(tmp_path).clip(1)
+
+
+def test_a_library_in_a_folder_that_others_write_is_read_again_when_it_changes(tmp_path, monkeypatch):
+    add(tmp_path, [NewClip("a", moving(1))], SmallBundle())
+    real = schema._connect
+    file = tmp_path / "library.sqlite"
+
+    def frozen(path, mode):
+        if mode != "ro":
+            return real(path, mode)
+        return sqlite3.connect(f"{file.as_uri()}?immutable=1", uri=True, factory=schema.FrozenConnection)
+
+    monkeypatch.setattr(schema, "_connect", frozen)
+    with StoredLibrary.open(tmp_path) as library:
+        assert len(library) == 1
+        add(tmp_path, [NewClip("b", moving(2))], SmallBundle())
+        os.utime(file)
+        assert len(library) == 2
+
+
+def test_a_library_put_in_the_place_of_another_is_read(tmp_path):
+    for name, count in (("one", 1), ("two", 2)):
+        add(tmp_path / name, [NewClip(f"{i}", moving(i)) for i in range(count)], SmallBundle())
+    with StoredLibrary.open(tmp_path / "one", bundle=SmallBundle()) as library:
+        assert len(library) == 1
+        (tmp_path / "one").rename(tmp_path / "aside")
+        with pytest.raises(LibraryNotFound, match="cannot be reached any more"):
+            len(library)
+        (tmp_path / "two").rename(tmp_path / "one")
+        assert len(library) == 2
+        assert set(library.nearest_clips(np.eye(16, dtype=np.float32)[:1], 5)[1][0].tolist()) == {1, 2, -1}
+
+
+def test_damage_in_the_middle_of_the_file_is_named(tmp_path):
+    add(tmp_path, [NewClip(f"{i}", moving(i)) for i in range(20)], SmallBundle())
+    file = tmp_path / "library.sqlite"
+    data = bytearray(file.read_bytes())
+    data[4096 : len(data) - 4096] = bytes(len(data) - 8192)
+    file.write_bytes(data)
+    with StoredLibrary.open(tmp_path) as library, pytest.raises(LibraryDamaged, match=r"library\.sqlite"):
+        library.clips_by_id(range(20))

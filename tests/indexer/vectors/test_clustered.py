@@ -83,7 +83,7 @@ def test_changes_are_seen(clustered, rows):
 
 def test_a_file_holds_the_clusters(clustered, tmp_path):
     index_files.save(clustered, tmp_path, "windows", "model")
-    again = index_files.load(tmp_path, "windows", "model", SIZE)
+    again = index_files.load(tmp_path, "windows", lambda generation: "model", SIZE)
     assert isinstance(again.main, ClusteredBlock)
     for got, want in zip(again.search(queries(), 20), clustered.search(queries(), 20), strict=True):
         np.testing.assert_array_equal(got, want)

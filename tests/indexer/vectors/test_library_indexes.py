@@ -1,5 +1,8 @@
 """The vector indexes of a library are caught up with it at the cost of what changed."""
 
+import shutil
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -12,6 +15,11 @@ from tests.indexer.folders import SmallBundle, moving
 
 def clip(seed):
     return NewClip(f"clip {seed}", Motion(moving(seed).astype(np.float32)))
+
+
+def current(library, kind):
+    with library.reading() as connection:
+        return library.indexes.current(kind, connection)
 
 
 @pytest.mark.parametrize("kind", [CLIPS, WINDOWS], ids=lambda kind: kind.name)
@@ -30,14 +38,14 @@ def test_only_what_changed_is_read(tmp_path, kind):
 def test_an_index_caught_up_holds_what_a_new_one_does(tmp_path, kind):
     add(tmp_path, [clip(seed) for seed in range(8)], SmallBundle())
     with StoredLibrary.open(tmp_path) as caught_up:
-        caught_up.indexes.current(kind, caught_up.connection)
+        current(caught_up, kind)
         add(tmp_path, [clip(8), clip(0)], SmallBundle())
         remove(tmp_path, ["clip 3"])
-        got = caught_up.indexes.current(kind, caught_up.connection).rows
+        got = current(caught_up, kind).rows
     for path in (tmp_path / "vectors").glob("*/manifest.json"):
         path.unlink()
     with StoredLibrary.open(tmp_path) as fresh:
-        want = fresh.indexes.current(kind, fresh.connection).rows
+        want = current(fresh, kind).rows
 
     def by_row(rows):
         return sorted(zip(rows.owners.tolist(), map(tuple, rows.spans.tolist()), rows.vectors.tolist(), strict=True))
@@ -53,4 +61,32 @@ def test_a_file_that_another_reader_replaces_while_it_is_opened_costs_nothing(tm
 
     monkeypatch.setattr("faiss.read_index", replaced)
     with StoredLibrary.open(tmp_path) as library:
-        assert library.indexes.current(CLIPS, library.connection).rows.owners.tolist() == numbers
+        assert current(library, CLIPS).rows.owners.tolist() == numbers
+
+
+def test_an_index_is_of_the_snapshot_that_is_read_not_of_what_another_thread_has_seen_since(tmp_path):
+    before = add(tmp_path, [clip(seed) for seed in range(3)], SmallBundle())
+    with StoredLibrary.open(tmp_path) as library, library.reading() as connection:
+        assert len(library) == 3
+        add(tmp_path, [clip(3)], SmallBundle())
+        with ThreadPoolExecutor(1) as others:
+            assert len(others.submit(current, library, CLIPS).result()) == 4
+        assert library.indexes.current(CLIPS, connection).rows.owners.tolist() == before
+    with StoredLibrary.open(tmp_path) as library:
+        assert len(current(library, CLIPS)) == 4
+
+
+def test_vectors_of_a_copy_that_went_on_elsewhere_are_not_taken_for_ones_own(tmp_path):
+    here, copy = tmp_path / "here", tmp_path / "copy"
+    add(here, [clip(0)], SmallBundle())
+    shutil.copytree(here, copy)
+    (theirs,) = add(copy, [clip(1)], SmallBundle())
+    (ours,) = add(here, [clip(2)], SmallBundle())
+    assert theirs == ours
+    with StoredLibrary.open(copy) as library:
+        theirs_vector = current(library, CLIPS).rows.vectors[-1].tolist()
+        library.prepare()
+    shutil.rmtree(here / "vectors", ignore_errors=True)
+    shutil.copytree(copy / "vectors", here / "vectors")
+    with StoredLibrary.open(here) as library:
+        assert current(library, CLIPS).rows.vectors[-1].tolist() != theirs_vector

@@ -43,13 +43,67 @@ def test_removed_clips_are_found_no_more(served, bundle, tmp_path: Path):
     assert "take 2.npy" not in [hit["path"] for hit in hits]
 
 
+def _until(client, url: str, **parameters) -> object:
+    """The response once its code is 200."""
+    until = time.monotonic() + 10
+    while (response := client.get(url, params=parameters)).status_code != 200:
+        assert time.monotonic() < until, response.text
+        time.sleep(0.05)
+    return response
+
+
+def _of_one_clip(folder: Path, bundle, name: str) -> Path:
+    """A folder of one clip, indexed."""
+    folder.mkdir()
+    np.save(folder / f"{name}.npy", made_motion(5.0, 77).joints)
+    indexing.index(folder, bundle=bundle, jobs=1)
+    return folder
+
+
+def _paths(client) -> set[str]:
+    return {hit["path"] for hit in client.get("/api/search", params={"q": "walks", "k": 20}).json()["hits"]}
+
+
+def test_a_library_exchanged_while_it_is_served_is_the_one_that_answers(served, bundle, tmp_path: Path):
+    client, folder = served(), tmp_path / "takes"
+    assert len(_paths(client)) == 5
+    other = _of_one_clip(tmp_path / "other", bundle, "another")
+    (folder / ".motionseek").rename(tmp_path / "put aside")
+    (other / ".motionseek").rename(folder / ".motionseek")
+    until = time.monotonic() + 10
+    while _paths(client) != {"another.npy"}:  # an answer in the cache may be as old as the last look at the disk
+        assert time.monotonic() < until
+        time.sleep(0.05)
+    assert client.get("/api/motions/1").json()["name"] == "another"
+    (folder / ".motionseek").rename(tmp_path / "other again")
+    (tmp_path / "put aside").rename(folder / ".motionseek")
+    while len(_paths(client)) != 5:
+        assert time.monotonic() < until + 10
+        time.sleep(0.05)
+
+
+def test_a_library_removed_while_it_is_served_is_missed_until_it_is_back(served, bundle, tmp_path: Path):
+    client, folder = served(), tmp_path / "takes"
+    (folder / ".motionseek").rename(tmp_path / "gone")
+    for url in ("/api/search?q=walks", "/api/moments?q=walks", "/api/motions", "/api/stats", "/api/similar?clip=1"):
+        response = client.get(url)
+        assert response.status_code == 503, url
+        assert response.json()["error"].startswith("the library is missing"), url
+    until = time.monotonic() + 10
+    while client.get("/healthz").status_code != 503:
+        assert time.monotonic() < until
+        time.sleep(0.05)
+    (tmp_path / "gone").rename(folder / ".motionseek")
+    _until(client, "/healthz")
+    assert len(_paths(client)) == 5
+
+
 def test_a_clip_removed_after_the_snapshot_is_left_out(served, bundle, tmp_path: Path):
     served()
     folder = tmp_path / "takes"
     with SnapshotLibrary.open(folder, bundle=bundle) as library:  # no watching thread
         (folder / "take 2.npy").unlink()
         indexing.index(folder, bundle=bundle, jobs=1)
-        assert len(library) == 5
         (found,) = library.search_all([SearchRequest(library.encode(Question.of("walks")), 10, {})])
     assert not isinstance(found, Exception)
     assert len(found) == 4
