@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.arguments import checked_count, checked_flag, checked_number, checked_span, unit_vector
+from encoders.arguments import checked_count, checked_flag, checked_number, checked_path, checked_span, unit_vector
 from encoders.errors import ArgumentError
 from encoders.motion import FPS, Motion
 from indexer.argument_checks import checked_rate
@@ -20,7 +20,7 @@ from indexer.ingest.arrays import NewClip
 from indexer.store.clips import Caption, Clip
 from indexer.store.stored_library import StoredLibrary, one_snapshot
 from search.drawing.film import write_picture
-from search.export.cut import writable, write_cut
+from search.export.cut import RATES, writable, write_cut
 from search.hits import Hits
 from search.moments.across_library import answers_in_candidates, best_moments
 from search.moments.one_motion import moments_of
@@ -236,14 +236,33 @@ class Library(StoredLibrary):
         end: float | None = None,
         *,
         fps: float | None = None,
+        to_fps: float | None = None,
+        in_place: bool = False,
+        rig: str | PathLike[str] | None = None,
         overwrite: bool = False,
     ) -> Path:
-        """Write a motion, or a span of it, to a .bvh, .npz or .npy file; its path.
+        """Write a motion, or a span of it, to a .bvh, .glb, .npz or .npy file; its path.
 
-        A .bvh of a .bvh file keeps its rig, its frame rate and its numbers; any other has the 22 joints.
+        A .bvh keeps rig and frame rate of a source that has a rig, and of a .bvh file its numbers; anything else has
+        the 22 joints. Where a file is gone or has changed since it was indexed, the library's poses are written, with
+        a `MotionSeekWarning`.
+
+        Parameters
+        ----------
+        to_fps : float, optional
+            Frames a second of what is written.
+        in_place : bool
+            Leave out the way that the hips travel over the floor, as loops need it.
+        rig : path, optional
+            A file on whose skeleton a .bvh is written.
         """
-        place = writable(out, overwrite)
-        write_cut(self.source(ref, fps=fps), place, *checked_span(*span_of(ref, start, end)))
+        place, like = writable(out, overwrite), None if rig is None else checked_path("rig", rig)
+        rate = None if to_fps is None else checked_number("to_fps", to_fps)
+        if rate is not None and not RATES[0] <= rate <= RATES[1]:
+            raise ArgumentError(f"to_fps={rate:g} must be from {RATES[0]:g} to {RATES[1]:g}")
+        span = checked_span(*span_of(ref, start, end))
+        flag = checked_flag("in_place", in_place)
+        write_cut(self.source(ref, fps=fps), place, *span, fps=rate, in_place=flag, rig=like)
         return place
 
     @one_snapshot

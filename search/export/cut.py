@@ -16,10 +16,12 @@ from encoders.errors import ArgumentError, MotionSeekWarning, QueryError
 from encoders.motion import Motion
 from indexer.formats.opening import read_bytes
 from indexer.formats.reading import is_of_format, split_name
-from search.export import bvh_writer
+from search.export import bvh_writer, glb_writer
 from search.export.bvh_cut import cut_lines
+from search.export.onto_rig import onto_rig
 from search.export.posed_rig import posed_rig
 from search.export.replacing import replacing
+from search.export.rig_motion import RigMotion
 from search.export.source_rig import SourceRig
 from search.source import MotionSource
 
@@ -37,10 +39,13 @@ class WriteOptions:
         Frames a second; None for those of what is written.
     in_place : bool
         Without the way the hips travel over the floor.
+    rig : Path or None
+        A file on whose skeleton a .bvh is written.
     """
 
     fps: float | None = None
     in_place: bool = False
+    rig: Path | None = None
 
 
 def write_cut(
@@ -51,6 +56,7 @@ def write_cut(
     *,
     fps: float | None = None,
     in_place: bool = False,
+    rig: Path | None = None,
 ) -> tuple[int, float]:
     """Write a motion, or its cut from `start` to `end` in seconds, in the format that the ending of `out` names.
 
@@ -64,6 +70,8 @@ def write_cut(
         Frames a second of what is written; else those of the source's rig, or 20.
     in_place : bool
         Leave out the way that the hips travel over the floor.
+    rig : Path, optional
+        A file on whose skeleton a .bvh is written, instead of that of the source.
 
     Returns
     -------
@@ -85,8 +93,10 @@ def write_cut(
     stale = source.stale()
     if stale:
         warnings.warn(f"{source.path} {stale}; the poses in the library are written", MotionSeekWarning, stacklevel=2)
-    options = WriteOptions(fps, in_place)
-    if writer is _write_bvh and not stale and source.file is not None:
+    options = WriteOptions(fps, in_place, rig)
+    if rig is not None and writer is not _write_bvh:
+        raise QueryError(f"{out}: only a .bvh is written on the rig of another file")
+    if writer is _write_bvh and rig is None and not stale and source.file is not None:
         frames = _in_source_rig(source, source.file, out, max(start or 0.0, 0.0), motion.duration, options)
         if frames is not None:
             return frames
@@ -118,9 +128,18 @@ def _in_source_rig(
 
 
 def _write_bvh(file: IO[bytes], motion: Motion, options: WriteOptions) -> tuple[int, float]:
-    rig = posed_rig(_placed(motion, options))
-    rig = rig.resampled(options.fps or rig.fps)
-    bvh_writer.write_rig(file, rig.scaled(bvh_writer.CENTIMETRES))
+    if options.rig is None:
+        rig = _posed(motion, options).scaled(bvh_writer.CENTIMETRES)
+    else:
+        rig = onto_rig(_placed(motion, options), options.rig)
+        rig = rig.resampled(options.fps or rig.fps)
+    bvh_writer.write_rig(file, rig)
+    return len(rig), rig.fps
+
+
+def _write_glb(file: IO[bytes], motion: Motion, options: WriteOptions) -> tuple[int, float]:
+    rig = _posed(motion, options)
+    glb_writer.write(file, rig)
     return len(rig), rig.fps
 
 
@@ -141,6 +160,7 @@ WRITERS: dict[str, Callable[[IO[bytes], Motion, WriteOptions], tuple[int, float]
     ".bvh": _write_bvh,
     ".npz": _write_npz,
     ".npy": _write_npy,
+    ".glb": _write_glb,
 }
 
 
@@ -150,6 +170,12 @@ def _placed(motion: Motion, options: WriteOptions) -> Motion:
         return motion
     way = motion.joints[:, :1] - motion.joints[:1, :1]
     return Motion(motion.joints - way * np.array([1, 0, 1], np.float32), motion.fps)
+
+
+def _posed(motion: Motion, options: WriteOptions) -> RigMotion:
+    """The motion on the 22 joints, as it is wanted."""
+    rig = posed_rig(_placed(motion, options))
+    return rig.resampled(options.fps or rig.fps)
 
 
 def _resampled(motion: Motion, options: WriteOptions) -> Motion:

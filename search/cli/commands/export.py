@@ -14,22 +14,45 @@ from search.cli import options
 @click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
 @options.start
 @options.end
+@click.option(
+    "--fps",
+    type=click.FloatRange(1, 1000),
+    help="Frame rate of OUT, such as 24, 30 or 60. [default: that of the source's rig, else 20]",
+)
+@click.option("--in-place", is_flag=True, help="Leave out the way travelled over the floor, as loops need it.")
+@click.option(
+    "--rig",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="LIKE.bvh",
+    help="Write a .bvh on the skeleton of this file.",
+)
 @options.force
 @options.library
 @options.as_json
 def export(
-    ref: str, out: Path, start: float | None, end: float | None, force: bool, folder: str | None, as_json: bool
+    ref: str,
+    out: Path,
+    start: float | None,
+    end: float | None,
+    fps: float | None,
+    in_place: bool,
+    rig: Path | None,
+    force: bool,
+    folder: str | None,
+    as_json: bool,
 ) -> None:
     """Export CLIP, or a span of it, to a motion file.
 
-    OUT is a .bvh, .npz or .npy file. CLIP is a file, or a clip of the library by path, name or number. A .bvh span of a
-    .bvh file keeps rig, frame rate and values; anything else is written with the 22-joint skeleton at 20 fps. .npz and
-    .npy hold joint positions in metres, Y up.
+    OUT is a .bvh, .glb, .npz or .npy file. CLIP is a file, or a clip of the library by path, name or number. A .bvh
+    keeps rig and frame rate of a source that has a rig, or is written on that of another file by --rig; anything else
+    has the 22 joints at 20 fps. .glb, .npz and .npy are in metres, Y up.
 
     \b
     Examples:
       motionseek export long_take.bvh sits.bvh --start 12.4 --end 15
       motionseek export fights/wave_03.bvh wave.npz
+      motionseek export take_001.bvh loop.glb --start 2 --end 3.2 --in-place --fps 30
+      motionseek export '#17' kick.bvh --rig my_character.bvh
     """
     from search.cli import terminal
     from search.export.cut import WRITERS, write_cut
@@ -40,7 +63,7 @@ def export(
     with options.open_source(ref, folder) as (_, source, _library):
         if source.file is not None and out.exists() and out.samefile(source.file):
             raise click.UsageError(f"{out} is the source file of the clip; choose another file")
-        frames, fps = write_cut(source, out, start, end)
+        frames, fps = write_cut(source, out, start, end, fps=fps, in_place=in_place, rig=rig)
     if as_json:
         terminal.document({"path": str(out), "source": source.path, "frames": frames, "fps": round(fps, 4)})
     else:

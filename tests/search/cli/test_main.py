@@ -108,7 +108,7 @@ def test_an_error_is_a_traceback_only_with_debug(indexed: Path, run: Run) -> Non
         (["search"], "SENTENCE"),
         (["moments", "walks", "--plot", "x.png"], "CLIP"),
         (["moments", "walks", "--then", "sits", "--while", "waves", "take 1"], "exclude each other"),
-        (["export", "take 1", "x.fbx"], ".bvh, .npz, .npy"),
+        (["export", "take 1", "x.fbx"], ".bvh, .npz, .npy, .glb"),
         (["export", "take 1", "x.npy", "--start", "9"], "outside"),
         (["segment", "take 1", "--labels", " , "], "--labels"),
         (["similar", "take 1", "--start", "3", "--end", "2"], "end=2 must be after start=3"),
