@@ -51,10 +51,10 @@ def nearest_paths(library: StoredLibrary, pattern: str) -> list[str]:
 def _places(library: StoredLibrary, pattern: str, spelt: Callable[[str], str]) -> list[tuple[int | None, str]]:
     """What a pattern may be relative to: every root (None), or the one that it names, with the rest of it."""
     plain = pattern.removeprefix("./").rstrip("/")
-    places: list[tuple[int | None, str]] = [(None, plain)]
+    places: list[tuple[int | None, str]] = [] if pattern and not pattern.strip("/") else [(None, plain)]
     for key, name in library.root_references():
         root = spelt(name)
-        if f"{plain}/".startswith(f"{root}/"):
+        if plain and f"{plain}/".startswith(f"{root}/"):
             places.append((key, plain[len(root) + 1 :]))
     return places
 
@@ -63,7 +63,7 @@ def _matching(
     library: StoredLibrary, places: list[tuple[int | None, str]], function: str, literal: str
 ) -> NDArray[np.int64]:
     """The clips at any of the places; the characters of `literal` stand for themselves."""
-    conditions: list[str] = []
+    conditions: list[str] = ["0"]
     values: list[int | str] = []
     for root, rest in places:
         pattern = "".join(f"[{letter}]" if letter in literal else letter for letter in rest)
