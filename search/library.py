@@ -49,7 +49,7 @@ class Library(StoredLibrary):
 
     Searches answer with at most `k` hits, best first. They take filters as keyword arguments, which choose the clips
     to search in: `min_duration` and `max_duration` in seconds, `path` (a pattern such as "fights/*"), `rig`, `format`,
-    and `captioned` (True or False).
+    `captioned` (True or False) and `split`.
 
     A reference `ref` is a file; a clip of the library by path (after its root's name, where there are several), name or
     "#number"; a `Clip`, a `Hit`, a `Motion`, or an array of joints (T, 22, 3) with its frame rate `fps` (default 20).

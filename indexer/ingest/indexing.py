@@ -23,6 +23,7 @@ from indexer.ingest import side_files
 from indexer.ingest.changes import Changes, RequestedOptions, compare, record
 from indexer.ingest.encode import encode, encode_captions, use_model
 from indexer.ingest.pool import Read, Request, read_all
+from indexer.ingest.published_folders import advice, published
 from indexer.ingest.reencode import reencode
 from indexer.ingest.scan import walk
 from indexer.ingest.side_files import SideFileChanges
@@ -216,13 +217,16 @@ def _update(
         raise LibraryError(f"{root}: is empty, so nothing was changed; is its drive connected?")
     motions = {folder.path: folder.motions() for folder in scan.folders}
     found_beside = [pair for folder in scan.folders for pair in folder.side_files(motions[folder.path])]
-    found = [file for files in motions.values() for file in files]
+    sets = published(scan.folders)
+    found_beside += sets.texts
+    found = [file for files in motions.values() for file in files if file.path not in sets.passed_over]
     with writer.batch():
         beside = side_files.update(
             writer.connection,
             root,
             root_id,
             found_beside,
+            sets.lists,
             [file.path for file in found],
             scan.may_hold,
             summary.warnings.append,
@@ -236,7 +240,7 @@ def _update(
     summary.moved += len(changes.moved)
     summary.gone += sum(known.state == INDEXED for known in changes.gone)
     summary.failed += scan.failed + [(str(root / path), reason) for path, reason in changes.unread]
-    summary.warnings += scan.warnings
+    summary.warnings += [*scan.warnings, *filter(None, [advice(root)])]
     return beside, changes
 
 

@@ -9,6 +9,7 @@ from pathlib import Path, PurePosixPath
 from unicodedata import normalize
 
 from indexer.ingest.caption_files import Warn, read_lines, read_table
+from indexer.ingest.published_folders import read_split
 from indexer.ingest.scan import TABLES
 from indexer.store import captions
 from indexer.store.captions import CaptionRow
@@ -28,6 +29,7 @@ def update(
     root: Path,
     root_id: int,
     found: list[tuple[File, list[str]]],
+    lists: list[File],
     motions: Iterable[str],
     may_hold: Callable[[str], bool],
     warn: Warn,
@@ -37,7 +39,9 @@ def update(
     Parameters
     ----------
     found : list of (File, list of str)
-        The side files of the root, each with the paths of the motions beside it.
+        The side files of the root, each with the paths of the motions that it is about.
+    lists : list of File
+        Lists of ids of published data sets.
     motions : iterable of str
         The paths of all motions of the root.
     may_hold : callable
@@ -45,14 +49,22 @@ def update(
     """
     on_disk = _spellings(motions)
     known = captions.side_files(db, root_id)
+    named = captions.paths_named(db, root_id)
     changes = SideFileChanges()
-    for file, targets in found:
-        _, size, mtime_ns, old_hash = known.pop(file.path, (None, -1, -1, ""))
-        if (size, mtime_ns) == (file.size, file.mtime_ns):
+    splits = {file.path for file in lists}
+    for file, targets in [*found, *((file, []) for file in lists)]:
+        old_id, size, mtime_ns, old_hash = known.pop(file.path, (None, -1, -1, ""))
+        is_about_the_same = set(targets) <= named.get(old_id, set())
+        if (size, mtime_ns) == (file.size, file.mtime_ns) and is_about_the_same:
             continue
         try:
             digest = file.hash(root)
-            rows = _read(root, file, targets, on_disk, warn) if digest != old_hash else None
+            if digest == old_hash and is_about_the_same:
+                rows = None
+            elif file.path in splits:
+                rows = read_split(root, file)
+            else:
+                rows = _read(root, file, targets, on_disk, warn)
         except OSError as error:
             warn(f"{root / file.path}: {(error.strerror or str(error)).lower()}; its captions are left as they were")
             continue

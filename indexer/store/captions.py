@@ -8,6 +8,7 @@ generation, `generation`, so that caches of captions know when they are stale.
 from __future__ import annotations
 
 import sqlite3
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from unicodedata import normalize
@@ -26,13 +27,14 @@ _CLIP_AT_PATH = (
 
 @dataclass(frozen=True)
 class CaptionRow:
-    """A caption of the motion at `path` (relative to the root), a frame rate for it, or both."""
+    """What a side file says of the motion at `path` (relative to the root): a caption, its frame rate, or its split."""
 
     path: str
     text: str | None = None
     start: float | None = None
     end: float | None = None
     fps: float | None = None
+    split: str | None = None
 
 
 def generation(db: sqlite3.Connection) -> int:
@@ -109,6 +111,16 @@ def side_files(db: sqlite3.Connection, root_id: int) -> dict[str, tuple[int, int
     return {path: (file_id, size, mtime_ns, digest) for path, file_id, size, mtime_ns, digest in rows}
 
 
+def paths_named(db: sqlite3.Connection, root_id: int) -> dict[int | None, set[str]]:
+    """Side file -> the paths of the motions that its captions were read for."""
+    named: dict[int | None, set[str]] = defaultdict(set)
+    for file_id, path in db.execute(
+        "SELECT DISTINCT side_file_id, path FROM captions WHERE root_id = ? AND text_id IS NOT NULL", (root_id,)
+    ):
+        named[file_id].add(path)
+    return named
+
+
 def record_side_file(db: sqlite3.Connection, root_id: int, file: File, digest: str) -> int:
     """Record a side file as it is now; its id."""
     db.execute(
@@ -180,9 +192,9 @@ def _insert(
         "INSERT OR IGNORE INTO texts(text) VALUES (?)", {(row.text,): None for row in rows if row.text is not None}
     )
     db.executemany(
-        "INSERT INTO captions(side_file_id, clip_id, root_id, path, text_id, start, end, fps) "
-        "VALUES (?, ?, ?, ?, (SELECT id FROM texts WHERE text = ?), ?, ?, ?)",
-        [(side_file_id, clip_id, root_id, row.path, row.text, row.start, row.end, row.fps) for row in rows],
+        "INSERT INTO captions(side_file_id, clip_id, root_id, path, text_id, start, end, fps, split) "
+        "VALUES (?, ?, ?, ?, (SELECT id FROM texts WHERE text = ?), ?, ?, ?, ?)",
+        [(side_file_id, clip_id, root_id, row.path, row.text, row.start, row.end, row.fps, row.split) for row in rows],
     )
 
 

@@ -150,6 +150,13 @@ def m002_stamped_generations(db: Database) -> None:
     db.execute("INSERT INTO generations SELECT value, random() FROM settings WHERE key = 'generation'")
 
 
+@migration
+def m003_splits(db: Database) -> None:
+    """Rows of captions that state the split of a data set that a clip is in."""
+    db.execute("ALTER TABLE captions ADD COLUMN split TEXT")
+    db.execute("CREATE INDEX captions_split ON captions(split) WHERE split IS NOT NULL")
+
+
 def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
     """A connection to a library's SQLite file; transactions are begun by hand (`transaction`).
 

@@ -51,6 +51,7 @@ _FILTERS = (
     click.option("--rig", metavar="NAME", help="Only clips with this rig."),
     click.option("--format", metavar="NAME", help="Only clips of this file format."),
     click.option("--captioned/--uncaptioned", default=None, help="Only clips with captions, or without."),
+    click.option("--split", metavar="NAME", help="Only clips of a data set's split, such as 'test'."),
 )
 
 

@@ -22,6 +22,7 @@ _CONDITIONS = {
     "max_duration": "duration <= ?",
     "rig": "rig = ?",
     "format": "format = ?",
+    "split": "clips.id IN (SELECT clip_id FROM captions WHERE split = ?)",
 }
 _CAPTIONED = "clips.id IN (SELECT clip_id FROM captions WHERE clip_id IS NOT NULL AND text_id IS NOT NULL)"
 
@@ -38,6 +39,7 @@ class FilterArguments(TypedDict, total=False):
     rig: str | None
     format: str | None
     captioned: bool | None
+    split: str | None
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,8 @@ class Filters:
         As `motionseek status` names them.
     captioned : bool, optional
         Only clips with a caption, or only those without.
+    split : str, optional
+        The name of a list of ids beside the folders of a published data set, such as ``test``.
 
     Raises
     ------
@@ -68,6 +72,7 @@ class Filters:
     rig: str | None = None
     format: str | None = None
     captioned: bool | None = None
+    split: str | None = None
 
     @classmethod
     def of(cls, arguments: Mapping[str, Any]) -> Filters:
@@ -86,7 +91,7 @@ class Filters:
     def __post_init__(self) -> None:
         for name in ("min_duration", "max_duration"):
             object.__setattr__(self, name, optional_number(name, getattr(self, name)))
-        for name in ("path", "rig", "format"):
+        for name in ("path", "rig", "format", "split"):
             value = getattr(self, name)
             if value is not None:
                 checked_text(name, value)
@@ -131,6 +136,12 @@ class Filters:
             return f"; there are {', '.join(near)}{', ...' if len(counts) > len(near) else ''}"
         if name == "captioned":
             return "; no clip has a caption" if self.captioned else "; every clip has a caption"
+        if name == "split":
+            rows = library.connection.execute(
+                "SELECT DISTINCT split FROM captions WHERE clip_id IS NOT NULL AND split IS NOT NULL"
+            )
+            names = sorted(split for (split,) in rows)
+            return f"; there are {', '.join(names[:_SUGGESTED])}" if names else "; there are none"
         shortest, longest = library.connection.execute(f"SELECT min(duration), max(duration) {LIVE}").fetchone()
         return f"; clips last {shortest:.1f} to {longest:.1f} s"
 

@@ -55,6 +55,7 @@ async def filters(
     rig: Annotated[str | None, Query(max_length=200)] = None,
     format: Annotated[str | None, Query(max_length=200)] = None,
     captioned: bool | None = None,
+    dataset_split: Annotated[str | None, Query(max_length=200)] = None,
 ) -> FilterArguments:
     """The filters as keyword arguments of `Library.search`."""
     return {
@@ -64,6 +65,7 @@ async def filters(
         "rig": rig,
         "format": format,
         "captioned": captioned,
+        "split": dataset_split,
     }
 
 
