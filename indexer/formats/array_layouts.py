@@ -59,7 +59,7 @@ class Layout:
     def take(self, joints: NDArray[Any], fps: float | None) -> Take:
         """A take of the joints (T, J, 3) of an array; its rest pose is unknown, hence zeros."""
         positions = joints[:, self.columns].astype(np.float64)
-        return Take(self.names, self.parents, np.zeros((len(self.names), 3)), positions, fps or self.fps, up="y")
+        return Take(self.names, self.parents, np.zeros((len(self.names), 3)), positions, fps or self.fps)
 
 
 def _tree(text: str) -> tuple[tuple[str, ...], NDArray[np.int64]]:
@@ -179,7 +179,7 @@ def _of_features(array: NDArray[Any], fps: float | None) -> Take:
 
     count = _FEATURES[array.shape[1]]
     joints = features_to_joints(array, joint_count=count)
-    return replace(LAYOUTS[count].take(joints, fps), up_is_certain=True)
+    return replace(LAYOUTS[count].take(joints, fps), up="y", up_is_certain=True)
 
 
 def _of_joints(path: str | PathLike[str], joints: NDArray[Any], fps: float | None, *, is_flat: bool) -> Take:

@@ -14,10 +14,11 @@ from encoders.motion import FPS, Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import SIDES, RigMap, map_rig
-from indexer.rigs.orientation import orientation, up_axis
+from indexer.rigs.orientation import orientation
 from indexer.rigs.own_rig import as_own_rig
 from indexer.rigs.rebuild import ARM, LEG, build, rebuild
 from indexer.rigs.rest_pose import rest_pose_correction
+from indexer.rigs.up_axis import up_axis
 from indexer.take import Take
 
 #: Upper leg and shank of the target skeleton, metres.

@@ -14,10 +14,11 @@ from encoders.skeleton import INDEX
 from indexer.formats.reading import read_take
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import RigMap, map_rig
-from indexer.rigs.orientation import orientation, up_axis
+from indexer.rigs.orientation import orientation
 from indexer.rigs.rest_pose import standing_axes
 from indexer.rigs.retarget import LEG_LENGTH, retarget
 from indexer.rigs.topology import ancestry, meeting
+from indexer.rigs.up_axis import up_axis
 from indexer.take import Take
 from search.export.posed_rig import joint_rotations
 from search.export.quaternions import between, to_matrices, to_quaternions

@@ -14,9 +14,9 @@ from encoders.geometry import rotation_between
 from indexer.formats.reading import read_take
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import RigMap, map_rig
-from indexer.rigs.orientation import up_axis
 from indexer.rigs.own_rig import as_own_rig
 from indexer.rigs.retarget import frames_before_movement
+from indexer.rigs.up_axis import up_axis
 from indexer.take import UP_AXES, Take
 from search.export.rig_motion import RigMotion
 
