@@ -89,7 +89,9 @@ def _library(folder: Path, count: int, size: int) -> np.ndarray:
                 "INSERT INTO files VALUES (?, 1, ?, 0, 0, ?, '', 'indexed', NULL)", (clip, f"{clip}.bvh", str(clip))
             )
             connection.execute(
-                "INSERT INTO clips VALUES (?, ?, ?, 'bvh', '', 20, 424, 21.2, '', 1)", (clip, clip, str(clip))
+                "INSERT INTO clips(id, file_id, name, format, rig, fps, frames, duration, added, generation) "
+                "VALUES (?, ?, ?, 'bvh', '', 20, 424, 21.2, '', 1)",
+                (clip, clip, str(clip)),
             )
             connection.execute("INSERT INTO embeddings VALUES (?, 1, ?)", (clip, packed[0].tobytes()))
             connection.execute("INSERT INTO windows VALUES (?, 1, 1.6, ?, ?)", (clip, starts, packed.tobytes()))

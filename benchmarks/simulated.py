@@ -55,8 +55,12 @@ def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0
                 by = noise / 16 * rng.standard_normal(model["size"], np.float32)
                 path = f"take {i // 1000:03}/{clip.name} {i}.bvh"
                 db.execute("INSERT INTO files VALUES (?, 1, ?, 0, 0, ?, '', ?, NULL)", (i, path, str(i), INDEXED))
-                values = (i, i, path, clip.format, clip.rig, clip.fps, clip.frames, clip.duration, clip.added)
-                db.execute("INSERT INTO clips VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, 1)", values)
+                values = (i, i, path, clip.format, clip.rig, clip.fps, clip.frames, clip.duration, clip.added, path)
+                db.execute(
+                    "INSERT INTO clips(id, file_id, name, format, rig, fps, frames, duration, added, clip_path, "
+                    "generation) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 1)",
+                    values,
+                )
                 db.execute("INSERT INTO embeddings VALUES (?, 1, ?)", (i, moved(whole[clip.id], by)))
                 db.executemany(
                     "INSERT INTO windows VALUES (?, 1, ?, ?, ?)",

@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from encoders.arguments import checked_path
 from encoders.errors import ArgumentError, QueryError, UnknownClip, UnreadableMotion
 from encoders.motion import Motion
+from indexer.formats.reading import split_name
 from indexer.ingest.arrays import to_motion
+from indexer.part_names import splits, with_part
 from indexer.store.clips import Clip
 from indexer.store.stored_library import StoredLibrary
 from search.hits import Hit
@@ -94,7 +96,8 @@ def _source_of_clip(
         return find_source(f"#{number}", library, fps=fps)
     if file is None:
         raise UnknownClip(f"{path}: is no clip of this library and has no file")
-    return find_source(file, library, fps=fps)
+    part = next((part for place, part in splits(path) if place.endswith(file.name)), "")
+    return find_source(with_part(str(file), part), library, fps=fps)
 
 
 def find_clip(library: StoredLibrary, ref: str | PathLike[str]) -> Clip | None:
@@ -107,10 +110,11 @@ def find_clip(library: StoredLibrary, ref: str | PathLike[str]) -> Clip | None:
     UnknownClip
         If it is neither.
     """
-    if not isfile(ref):
+    file, part = split_name(ref)
+    if not isfile(file):
         return library.find(ref)
     try:
-        return library.find(Path(ref).resolve())
+        return library.find(with_part(str(file.resolve()), part))
     except UnknownClip:
         return None
 
@@ -133,7 +137,7 @@ def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps:
     if isdir(ref) and (library is None or not library.matches(ref)):
         raise UnreadableMotion(ref, "this is a folder; name a file in it, or a clip of a library by path, name or #id")
     if library is None:
-        if not exists(ref):
+        if not exists(split_name(ref)[0]):
             raise UnreadableMotion(ref, "there is no such file, and no library is given that could hold such a clip")
         return MotionSource.of_file(ref, fps=fps)
     try:
@@ -145,7 +149,7 @@ def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps:
     if fps is not None:
         if clip.file is None:
             raise QueryError(f"{clip.path}: was added as an array; it has no file to read at another frame rate")
-        source = MotionSource.of_file(clip.file, library, fps=fps)
+        source = MotionSource.of_file(with_part(str(clip.file), clip.part), library, fps=fps)
         return replace(source, path=clip.path, clip_id=clip.id, root=clip.root_name)
     return MotionSource.of_clip(library, clip)
 

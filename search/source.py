@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike, fspath
 from pathlib import Path
@@ -15,6 +15,7 @@ from encoders.bundle.windows import Windows, encode_grids
 from encoders.errors import QueryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
+from indexer.formats.reading import split_name
 from indexer.ingest.load import load_motion
 from indexer.ingest.unindexed import file_state, read_unindexed
 from indexer.store.clips import Caption, Clip
@@ -46,6 +47,8 @@ class MotionSource:
         Name of the indexed folder that holds it; empty where none does.
     library : StoredLibrary or None
         The library whose stored captions and windows are its own.
+    part : str
+        Which of several motions of its file it is; see `indexer.part_names`.
     """
 
     path: str
@@ -55,6 +58,7 @@ class MotionSource:
     clip_id: int = -1
     root: str = ""
     library: StoredLibrary | None = field(default=None, repr=False)
+    part: str = ""
     _features: dict[str, NDArray[np.float32]] = field(default_factory=dict, repr=False)
     _windows: dict[str, Sequence[Windows]] = field(default_factory=dict, repr=False)
 
@@ -65,7 +69,7 @@ class MotionSource:
         def read(start: float, end: float | None) -> Motion:
             return library.motion(clip.id, start, end)
 
-        return cls(clip.path, clip.file, clip.duration, read, clip.id, clip.root_name, library)
+        return cls(clip.path, clip.file, clip.duration, read, clip.id, clip.root_name, library, clip.part)
 
     @classmethod
     def of_file(
@@ -83,8 +87,9 @@ class MotionSource:
         UnreadableMotion
             If it cannot be read.
         """
-        motion = load_motion(path, fps=fps) if library is None else read_unindexed(library, Path(path), fps=fps)
-        return cls.of_motion(motion, fspath(path), Path(path))
+        motion = load_motion(path, fps=fps) if library is None else read_unindexed(library, Path(path), fps=fps).motion
+        file, part = split_name(path)
+        return replace(cls.of_motion(motion, fspath(path), file), part=part)
 
     @classmethod
     def of_motion(cls, motion: Motion, path: str = "", file: Path | None = None) -> MotionSource:

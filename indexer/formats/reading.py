@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from os import PathLike, fspath
+from os.path import exists, isfile
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from encoders.errors import UnreadableMotion
 from indexer.formats import table
 from indexer.formats.opening import read_bytes
+from indexer.part_names import splits
 from indexer.take import Take
 
 
@@ -60,11 +62,10 @@ def read_take(path: str | PathLike[str], *, fps: float | None = None) -> Take:
 
 def split_name(path: str | PathLike[str]) -> tuple[Path, str]:
     """A path as a file and the name of a take in it; the name is empty where there is such a file, or no `#`."""
-    whole = Path(fspath(path))
-    file, mark, name = fspath(path).rpartition("#")
-    if not mark or whole.exists() or not Path(file).is_file():
-        return whole, ""
-    return Path(file), name
+    whole = fspath(path)
+    if exists(whole):
+        return Path(whole), ""
+    return next(((Path(file), name) for file, name in splits(whole) if isfile(file)), (Path(whole), ""))
 
 
 def is_of_format(path: Path, ending: str) -> bool:

@@ -40,9 +40,9 @@ class RequestedOptions:
         before = before or ReadOptions()
         joint_map = before.joint_map if self.joint_map is None else tuple(sorted(self.joint_map.items()))
         if stated_rate is not None:
-            return ReadOptions(stated_rate, True, joint_map, read_options.READER_VERSION)
+            return ReadOptions(stated_rate, True, joint_map, read_options.READER_VERSION, before.up)
         given_before = None if before.from_table else before.fps
-        return ReadOptions(self.fps or given_before, False, joint_map, read_options.READER_VERSION)
+        return ReadOptions(self.fps or given_before, False, joint_map, read_options.READER_VERSION, before.up)
 
 
 @dataclass

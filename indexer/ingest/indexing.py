@@ -11,7 +11,6 @@ from pathlib import Path
 
 from encoders.arguments import checked_flag, checked_path
 from encoders.errors import ArgumentError, LibraryError
-from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.argument_checks import (
     checked_encoder,
@@ -27,6 +26,7 @@ from indexer.ingest.published_folders import advice, published
 from indexer.ingest.reencode import reencode
 from indexer.ingest.scan import walk
 from indexer.ingest.side_files import SideFileChanges
+from indexer.part_names import with_part
 from indexer.store.captions import remove_side_files, stated_rates
 from indexer.store.files import INDEXED, FileVersion
 from indexer.store.stored_library import FILE, FOLDER, StoredLibrary, library_folder
@@ -55,6 +55,8 @@ class Summary:
         Unchanged files that could not be read when they were last tried.
     warnings : list of str
         What was skipped, and why.
+    reading_warnings : list of (path, warning)
+        What was left out, mended or taken for granted in the clips that were read.
     interrupted : bool
         Whether Ctrl-C ended the run early; what was committed is kept.
     """
@@ -67,6 +69,7 @@ class Summary:
     seconds: float = 0.0
     failed_before: int = 0
     warnings: list[str] = field(default_factory=list)
+    reading_warnings: list[tuple[str, str]] = field(default_factory=list)
     interrupted: bool = False
 
 
@@ -201,7 +204,8 @@ def _paths(roots: str | PathLike[str] | Iterable[str | PathLike[str]]) -> list[P
 
 def _request(root: Path, source: FileVersion) -> Request[_Task]:
     options = source.options
-    return Request(_Task(root, source), root / source.file.path, options.fps, dict(options.joint_map) or None)
+    joint_map = dict(options.joint_map) or None
+    return Request(_Task(root, source), root / source.file.path, options.fps, joint_map, options.up)
 
 
 def _update(
@@ -271,7 +275,7 @@ def _read_and_encode(
     try:
         for task, read in read_all(requests, min(jobs, max(len(requests), 1))):
             batch.append((task, read))
-            if len(batch) >= _BATCH_FILES or sum(len(read.motion or ()) for _, read in batch) >= _BATCH_FRAMES:
+            if len(batch) >= _BATCH_FILES or sum(read.frames for _, read in batch) >= _BATCH_FRAMES:
                 commit()
     except KeyboardInterrupt:
         summary.interrupted = True
@@ -280,13 +284,18 @@ def _read_and_encode(
 
 def _commit(writer: Writer, bundle: Encoder, model_id: int, batch: list[tuple[_Task, Read]], summary: Summary) -> None:
     """Encode what was read and store it, with what could not be read, as one transaction."""
-    good: list[tuple[_Task, Motion, str]] = [(task, read.motion, read.rig) for task, read in batch if read.motion]
-    bad = [(task, read.reason) for task, read in batch if read.motion is None]
-    encoded = encode(bundle, [motion for _, motion, _ in good])
+    encoded = iter(encode(bundle, [clip.motion for _, read in batch for clip in read.clips]))
     with writer.batch():
-        for (task, motion, rig), vectors in zip(good, encoded, strict=True):
-            writer.add(task.source, motion, rig, vectors, model_id)
-        for task, reason in bad:
-            writer.fail(task.source, reason)
-    summary.indexed += len(good)
-    summary.failed += [(str(task.path), reason) for task, reason in bad]
+        for task, read in batch:
+            if read.clips:
+                writer.add(task.source, list(zip(read.clips, encoded, strict=False)), model_id)
+            else:
+                writer.fail(task.source, read.reason)
+    for task, read in batch:
+        if not read.clips:
+            summary.failed.append((str(task.path), read.reason))
+            continue
+        summary.indexed += 1
+        for clip in read.clips:
+            name = with_part(str(task.path), clip.part)
+            summary.reading_warnings += [(name, warning) for warning in clip.reading.warnings]

@@ -7,7 +7,7 @@ from os import PathLike
 from encoders.arguments import checked_path
 from encoders.motion import Motion
 from indexer.argument_checks import checked_joint_map, checked_rate
-from indexer.formats.reading import read_take
+from indexer.ingest.file_parts import read_part
 from indexer.rigs.retarget import retarget
 
 
@@ -19,7 +19,8 @@ def load_motion(
     Parameters
     ----------
     path : path
-        A file of one of the formats in `indexer.formats.table.FORMATS`.
+        A file of one of the formats in `indexer.formats.table.FORMATS`; `file#name` for one of several animations or
+        figures of a file.
     fps : float, optional
         The file's true frame rate, where it says none or a wrong one.
     joint_map : dict, optional
@@ -30,9 +31,10 @@ def load_motion(
     ArgumentError
         If an argument is of a wrong type or out of range.
     UnreadableMotion
-        If the file holds no motion that can be read.
+        If the file holds no motion that can be read, or several and none is named.
     UnknownRig
         If its skeleton cannot be mapped; names what is missing.
     """
     file, rate, names = checked_path("path", path), checked_rate(fps), checked_joint_map(joint_map)
-    return retarget(read_take(file, fps=rate), path=file, joint_map=names)
+    part = read_part(file, fps=rate)
+    return retarget(part.take, path=part.file, joint_map=names)

@@ -14,7 +14,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import IO, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -22,8 +22,9 @@ from encoders.errors import MotionSeekError
 from encoders.motion import Motion
 from encoders.skeleton import JOINTS
 from indexer.ingest.worker import READY
+from indexer.read_motion import Reading, ReadMotion
 
-READ = "indexer.ingest.worker:read"
+READ = "indexer.ingest.worker:read_all_parts"
 
 #: Seconds a file may take, and those added for each MB.
 PATIENCE, PATIENCE_A_MB = 60.0, 2.0
@@ -44,11 +45,15 @@ Key = TypeVar("Key")
 
 @dataclass(frozen=True)
 class Read:
-    """The result for a file: its motion and rig, or the reason why there is none."""
+    """The result for a file: its motions, or the reason why there is none."""
 
-    motion: Motion | None
-    rig: str = ""
+    clips: tuple[ReadMotion, ...] = ()
     reason: str = ""
+
+    @property
+    def frames(self) -> int:
+        """Of all motions together."""
+        return sum(len(clip.motion) for clip in self.clips)
 
 
 @dataclass(frozen=True)
@@ -59,6 +64,7 @@ class Request(Generic[Key]):
     path: Path
     fps: float | None = None
     joint_map: dict[str, str] | None = None
+    up: str | None = None
 
 
 def read_all(
@@ -119,7 +125,7 @@ class _Worker:
 
     def read(self, request: Request[Any], patience: float) -> Read:
         if self._ended:
-            return Read(None, reason="interrupted")
+            return Read(reason="interrupted")
         process = self._process or self._start()
         late = threading.Event()
 
@@ -135,7 +141,7 @@ class _Worker:
             return _ask(process, request)
         except (OSError, ValueError):
             self._process = None
-            return Read(None, reason=_cause(_wait(process), patience if late.is_set() else None))
+            return Read(reason=_cause(_wait(process), patience if late.is_set() else None))
         finally:
             timer.cancel()
 
@@ -173,15 +179,21 @@ def _ask(process: subprocess.Popen[bytes], request: Request[Any]) -> Read:
     """Send one request and receive its result. Raises OSError or ValueError if the process dies."""
     assert process.stdin is not None
     assert process.stdout is not None
-    message = {"path": str(request.path), "fps": request.fps, "joint_map": request.joint_map}
+    message = {"path": str(request.path), "fps": request.fps, "joint_map": request.joint_map, "up": request.up}
     process.stdin.write(json.dumps(message).encode() + b"\n")
     process.stdin.flush()
     header = json.loads(process.stdout.readline())
     if "reason" in header:
-        return Read(None, reason=header["reason"])
-    data = process.stdout.read(header["frames"] * len(JOINTS) * 3 * 4)
-    joints = np.frombuffer(data, np.float32).reshape(header["frames"], len(JOINTS), 3)
-    return Read(Motion(joints, header["fps"]), header["rig"])
+        return Read(reason=header["reason"])
+    return Read(tuple(_received(process.stdout, record) for record in header["clips"]))
+
+
+def _received(stream: IO[bytes], record: dict[str, Any]) -> ReadMotion:
+    """One motion of a response. Raises ValueError if the process dies."""
+    data = stream.read(record["frames"] * len(JOINTS) * 3 * 4)
+    joints = np.frombuffer(data, np.float32).reshape(record["frames"], len(JOINTS), 3)
+    motion = Motion(joints, record["fps"])
+    return ReadMotion(motion, record["part"], record["rig"], Reading.of(record["reading"]))
 
 
 def _wait(process: subprocess.Popen[bytes]) -> int:

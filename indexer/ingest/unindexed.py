@@ -7,19 +7,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from encoders.motion import Motion
 from indexer.argument_checks import checked_rate
 from indexer.formats import table
 from indexer.formats.reading import split_name
 from indexer.ingest import worker
 from indexer.ingest.scan import list_folder
+from indexer.read_motion import ReadMotion
 from indexer.store.captions import stated_rate
 from indexer.store.files import File
 from indexer.store.read_options import ReadOptions
 from indexer.store.stored_library import StoredLibrary
 
 
-def read_unindexed(library: StoredLibrary, path: Path, *, fps: float | None = None) -> Motion:
+def read_unindexed(library: StoredLibrary, path: Path, *, fps: float | None = None) -> ReadMotion:
     """The motion of a file that is no clip of the library, read with `known_options`.
 
     Where the library does not know the file and its format states no frame rate, the rate given for all clips of the
@@ -27,6 +27,8 @@ def read_unindexed(library: StoredLibrary, path: Path, *, fps: float | None = No
 
     Parameters
     ----------
+    path : Path
+        The file, or `file#part`.
     fps : float, optional
         The file's true frame rate, over what the library knows.
 
@@ -38,15 +40,16 @@ def read_unindexed(library: StoredLibrary, path: Path, *, fps: float | None = No
         If `fps` is no frame rate.
     """
     fps = checked_rate(fps)
-    known = known_options(library, path)
+    file, _ = split_name(path)
+    known = known_options(library, file)
     options = known or ReadOptions()
-    motion, rig = worker.read(str(path), fps or options.fps, dict(options.joint_map) or None)
-    row = table.READABLE.get(path.suffix.lower())
+    read = worker.read(str(path), fps or options.fps, dict(options.joint_map) or None, options.up)
+    row = table.READABLE.get(file.suffix.lower())
     if known is None and fps is None and row is not None and not row.states_fps:
-        rate = _rate_of_rig(library, rig, row.ending.lstrip("."))
+        rate = _rate_of_rig(library, read.rig, row.ending.lstrip("."))
         if rate is not None:
-            motion, _ = worker.read(str(path), rate, None)
-    return motion
+            read = worker.read(str(path), rate)
+    return read
 
 
 def file_state(library: StoredLibrary, clip: int, place: Path) -> str:

@@ -12,6 +12,7 @@ from encoders.errors import UnreadableMotion
 from encoders.geometry import angle_between, interpolate
 from encoders.motion import FPS, Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS
+from indexer.read_motion import Reading
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import SIDES, RigMap, map_rig
 from indexer.rigs.orientation import orientation
@@ -37,7 +38,6 @@ _STILL = 0.03
 _RUSH = 1.5, 5.0
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what becomes of absurd values is checked
 def retarget(
     take: Take,
     *,
@@ -45,6 +45,18 @@ def retarget(
     joint_map: dict[str, str] | None = None,
     fps: float | None = None,
 ) -> Motion:
+    """The motion that `retarget_with_reading` gives."""
+    return retarget_with_reading(take, path=path, joint_map=joint_map, fps=fps)[0]
+
+
+@np.errstate(over="ignore", invalid="ignore")  # what becomes of absurd values is checked
+def retarget_with_reading(
+    take: Take,
+    *,
+    path: str | PathLike[str],
+    joint_map: dict[str, str] | None = None,
+    fps: float | None = None,
+) -> tuple[Motion, Reading]:
     """Bring a take to the 22 joints: metres, Y up, 20 fps, target bone lengths, lowest joint at height 0.
 
     Heading and place are kept.
@@ -88,7 +100,16 @@ def retarget(
     stored = joints.astype(np.float32)
     if not np.isfinite(stored).all():
         raise UnreadableMotion(path, "its values are too large to be places of joints")
-    return Motion(stored, FPS)
+    reading = Reading(
+        take=take.name,
+        up=up.axis,
+        up_reason=up.reason,
+        start=posing / rate,
+        source_fps=rate,
+        source_frames=len(take.positions),
+        warnings=take.warnings,
+    )
+    return Motion(stored, FPS), reading
 
 
 def _check_duration(path: str | PathLike[str], seconds: float) -> None:

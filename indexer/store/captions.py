@@ -1,6 +1,7 @@
 """The captions of a library, as SQL: rows that name a motion by root and path, and the clip they belong to.
 
-A row belongs to the clip that lies at its path when it is read, and stays with the clip wherever that moves.
+A row belongs to the clip that lies at its path when it is read, and stays with the clip wherever that moves. Of a file
+with several clips, a row that names the file alone belongs to the first.
 The changes run inside a batch of the writer. Those that may alter what an existing clip shows record the batch's
 generation, `generation`, so that caches of captions know when they are stale.
 """
@@ -18,10 +19,12 @@ from numpy.typing import NDArray
 
 from indexer.store.files import File
 
-#: The clip that lies at a caption's path now.
+_INDEXED = "clips JOIN files ON files.id = clips.file_id AND files.state = 'indexed'"
+#: The clip that lies at a caption's path now; for the path of a file whose clips all have names, the first of them.
 _CLIP_AT_PATH = (
-    "SELECT clips.id FROM clips JOIN files ON files.id = clips.file_id "
-    "WHERE files.root_id = captions.root_id AND files.path = captions.path AND files.state = 'indexed'"
+    f"SELECT coalesce((SELECT clips.id FROM {_INDEXED} WHERE files.root_id = captions.root_id "
+    f"AND clips.clip_path = captions.path), (SELECT min(clips.id) FROM {_INDEXED} "
+    "WHERE files.root_id = captions.root_id AND files.path = captions.path))"
 )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sqlite3
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,14 +10,16 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
+from indexer.part_names import with_part
 from indexer.store.files import ARRAY
 
 #: The clips that can be found; conditions may use the columns of `clips` and `files`.
 LIVE = "FROM clips JOIN files ON files.id = clips.file_id WHERE files.state = 'indexed'"
 
 _COLUMNS = (
-    "clips.id, files.path, files.root_id, clips.name, clips.duration, clips.fps, clips.frames, clips.format, "
-    "clips.rig, clips.added"
+    "clips.id, clips.clip_path, files.root_id, clips.name, clips.duration, clips.fps, clips.frames, "
+    "clips.format, clips.rig, clips.added, clips.part, clips.take, clips.up, clips.up_reason, clips.start, "
+    "clips.source_fps, clips.source_frames, clips.warnings"
 )
 
 
@@ -27,13 +30,14 @@ class Clip:
     Attributes
     ----------
     path : str
-        Relative to `root`, with forward slashes; the id of a clip that was added as an array.
+        Relative to `root`, with forward slashes, and with `#part` where the file gives several; the id of a clip that
+        was added as an array.
     root : Path
         The indexed folder it lies in; for a clip that was added as an array a folder that does not exist.
     root_name : str
         What `root` is called where absolute paths are not shown; see `root_names`.
     name : str
-        The file's name without its ending, or the last part of the id.
+        The file's name without its ending, with the part, or the last part of the id.
     duration : float
         Seconds.
     fps, frames : float, int
@@ -44,6 +48,10 @@ class Clip:
         A name for the skeleton of the file; empty where it has none.
     added : str
         When it was first indexed, UTC, ISO 8601.
+    part : str
+        What tells it from other clips of its file; empty for the only or the first one.
+    take, up, up_reason, start, source_fps, source_frames, warnings
+        How it was read; see `indexer.read_motion.Reading`.
     """
 
     id: int
@@ -57,11 +65,19 @@ class Clip:
     format: str
     rig: str
     added: str
+    part: str = ""
+    take: str = ""
+    up: str = ""
+    up_reason: str = ""
+    start: float = 0.0
+    source_fps: float = 0.0
+    source_frames: int = 0
+    warnings: tuple[str, ...] = ()
 
     @property
     def file(self) -> Path | None:
         """The source file; None for a clip that was added as an array."""
-        return None if self.format == ARRAY else self.root / self.path
+        return None if self.format == ARRAY else self.root / self.path.removesuffix(with_part("", self.part))
 
     def document(self, captions: Sequence[Caption] = ()) -> dict[str, Any]:
         """The clip as plain data with stable keys and rounded numbers; it contains no absolute path."""
@@ -76,6 +92,12 @@ class Clip:
             "format": self.format,
             "rig": self.rig,
             "added": self.added,
+            "up": self.up or None,
+            "up_reason": self.up_reason or None,
+            "start": round(self.start, 3),
+            "source_fps": round(self.source_fps, 4) or None,
+            "source_frames": self.source_frames or None,
+            "warnings": list(self.warnings),
             "captions": [caption.document() for caption in captions],
         }
 
@@ -100,7 +122,10 @@ def select(
     names = root_names(roots)
     query = f"SELECT {_COLUMNS} {LIVE} AND ({condition}) ORDER BY clips.id LIMIT ?"
     rows = db.execute(query, (*values, limit))
-    return [Clip(clip_id, path, roots[root], names[root], *rest) for clip_id, path, root, *rest in rows]
+    return [
+        Clip(clip_id, path, roots[root], names[root], *[*columns, tuple(json.loads(warnings))])
+        for clip_id, path, root, *columns, warnings in rows
+    ]
 
 
 def root_names(roots: Mapping[int, Path]) -> dict[int, str]:

@@ -8,7 +8,7 @@ The frame rate of a file is the first that is known of
 4. what the file states,
 5. `default_fps` of its format in `indexer.formats.table`.
 
-`indexer.ingest.changes.RequestedOptions.for_file` decides 1 to 3, `indexer.formats.reading.read_take` 4 and 5.
+`indexer.ingest.changes.RequestedOptions.for_file` decides 1 to 3, `indexer.formats.reading.read_takes` 4 and 5.
 For a file that is not indexed see `indexer.ingest.unindexed`, in which `fps` of the call comes first.
 """
 
@@ -18,7 +18,7 @@ import json
 from dataclasses import dataclass
 
 #: Grows when a reader changes what it gives, so that all files are read again.
-READER_VERSION = 1
+READER_VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,8 @@ class ReadOptions:
         Whether a captions table gave it.
     joint_map : tuple of (target joint, joint of the file)
         The joint map given for it.
+    up : str or None
+        The axis given for it as up.
     version : int
         `READER_VERSION` at that time; -1 where it is not known.
     """
@@ -41,16 +43,18 @@ class ReadOptions:
     from_table: bool = False
     joint_map: tuple[tuple[str, str], ...] = ()
     version: int = READER_VERSION
+    up: str | None = None
 
     def text(self) -> str:
         """The options as they are stored."""
-        return json.dumps([self.version, self.fps, self.from_table, self.joint_map], ensure_ascii=False)
+        return json.dumps([self.version, self.fps, self.from_table, self.joint_map, self.up], ensure_ascii=False)
 
     @staticmethod
     def of(text: str) -> ReadOptions:
         """The options that `text` stored."""
         try:
-            version, fps, from_table, joint_map = json.loads(text)
-            return ReadOptions(fps, from_table, tuple((str(a), str(b)) for a, b in joint_map), version)
+            version, fps, from_table, joint_map, *later = json.loads(text)
+            names = tuple((str(a), str(b)) for a, b in joint_map)
+            return ReadOptions(fps, from_table, names, version, later[0] if later else None)
         except (ValueError, TypeError):
             return ReadOptions(version=-1)

@@ -157,6 +157,40 @@ def m003_splits(db: Database) -> None:
     db.execute("CREATE INDEX captions_split ON captions(split) WHERE split IS NOT NULL")
 
 
+#: What `m004_several_clips_a_file` adds to `clips`: name, type, and the value for clips that were there before.
+_READING = (
+    ("part", "TEXT", "''"),
+    ("take", "TEXT", "''"),
+    ("up", "TEXT", "''"),
+    ("up_reason", "TEXT", "''"),
+    ("start", "REAL", "0.0"),
+    ("source_fps", "REAL", "0.0"),
+    ("source_frames", "INTEGER", "0"),
+    ("warnings", "TEXT", "'[]'"),
+)
+
+
+@migration
+def m004_several_clips_a_file(db: Database) -> None:
+    """Clips that are parts of a file, and how each was read."""
+    for name, kind, value in _READING:
+        db.execute(f"ALTER TABLE clips ADD COLUMN {name} {kind} NOT NULL DEFAULT {value}")
+    # clip_path: that of the file, with the part; relative to the root.
+    db.execute("ALTER TABLE clips ADD COLUMN clip_path TEXT NOT NULL DEFAULT ''")
+    db.execute("UPDATE clips SET clip_path = (SELECT path FROM files WHERE files.id = file_id)")
+    db.execute("DROP INDEX idx_clips_file_id")
+    db.table("clips").create_index(["file_id", "part"], unique=True)
+    db.table("clips").create_index(["clip_path"])
+
+
+def _as_of_today(connection: sqlite3.Connection) -> None:
+    """Show the tables of an older library, which is only read, with the columns that it lacks."""
+    defaults = ", ".join(f"{value} AS {name}" for name, _, value in _READING)
+    path = "(SELECT path FROM main.files WHERE files.id = file_id) AS clip_path"
+    connection.execute(f"CREATE TEMP VIEW clips AS SELECT *, {defaults}, {path} FROM main.clips")
+    connection.execute("CREATE TEMP VIEW captions AS SELECT *, NULL AS split FROM main.captions")
+
+
 def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
     """A connection to a library's SQLite file; transactions are begun by hand (`transaction`).
 
@@ -182,6 +216,8 @@ def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
     if version == 0 and not writable:
         connection.close()
         raise LibraryDamaged(f"{path}: holds no tables; delete its folder and index again")
+    if version < 4 and not writable:
+        _as_of_today(connection)
     return connection
 
 

@@ -10,7 +10,7 @@ from indexer.store.clips import LIVE
 
 
 def stats(db: sqlite3.Connection, folder: Path, roots: list[Path]) -> dict[str, Any]:
-    """Counts of clips, seconds, windows, captions, files failed and gone; clips by format and rig; model; bytes."""
+    """Counts of clips, their seconds, windows and captions, of files failed, gone or with warnings; and the model."""
     clips, seconds = db.execute(f"SELECT count(*), total(clips.duration) {LIVE}").fetchone()
     states = dict(db.execute("SELECT state, count(*) FROM files GROUP BY state").fetchall())
     model = db.execute(
@@ -28,6 +28,9 @@ def stats(db: sqlite3.Connection, folder: Path, roots: list[Path]) -> dict[str, 
         "captions": db.execute(captions).fetchone()[0],
         "failed": states.get("failed", 0),
         "gone": states.get("gone", 0),
+        "with_warnings": db.execute(
+            f"SELECT count(DISTINCT clips.file_id) {LIVE} AND clips.warnings != '[]'"
+        ).fetchone()[0],
         "formats": _counted(db, "format"),
         "rigs": _counted(db, "rig"),
         "model": model[1] if model else None,

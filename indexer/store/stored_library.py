@@ -32,6 +32,7 @@ from encoders.errors import (
 from encoders.motion import FPS, Motion
 from encoders.protocol import Encoder
 from indexer.argument_checks import checked_clip_id, checked_encoder
+from indexer.part_names import is_meant, splits
 from indexer.store import captions, poses, schema
 from indexer.store.clips import LIVE, Caption, Clip, root_names, select
 from indexer.store.files import ARRAYS_ROOT
@@ -344,7 +345,8 @@ class StoredLibrary:
         """The clips that a reference may mean, of the first reading that gives any.
 
         "#12"; the name of a root and a path in it, where there are several roots; a path in a root; an absolute path;
-        a name. Where none is spelt so, the composed and decomposed forms of Unicode are one.
+        a name. Where none is spelt so, the composed and decomposed forms of Unicode are one. A path may name one of
+        several clips of a file, as "file#part".
         """
         text = fspath(ref) if isinstance(ref, (str, PathLike)) else None
         if not isinstance(text, str):
@@ -362,18 +364,27 @@ class StoredLibrary:
         names = root_names(roots) if len(roots) > 1 else {}
         named = {key: PurePosixPath(spelt(name)) for key, name in names.items()}
         placed = {key: Path(spelt(str(root))) for key, root in roots.items()}
-        paths = column.format("files.path")
         return (
-            self._below(named, path, paths)
-            or self._select(f"{paths} = ?", [path.as_posix()])
-            or self._below(placed, place, paths)
+            self._below(named, path, column)
+            or self._of_path(path.as_posix(), column)
+            or self._below(placed, place, column)
             or self._select(f"{column.format('clips.name')} = ?", [text])
         )
 
     def _below(self, roots: Mapping[int, PurePath], path: PurePath, column: str) -> list[Clip]:
         """The clips at a path below roots; more than one where a root lies in another."""
         inside = [(key, path.relative_to(root).as_posix()) for key, root in roots.items() if path.is_relative_to(root)]
-        return [clip for place in inside for clip in self._select(f"files.root_id = ? AND {column} = ?", place)]
+        return [clip for key, place in inside for clip in self._of_path(place, column, "files.root_id = ?", key)]
+
+    def _of_path(self, path: str, column: str, condition: str = "1", *values: Any) -> list[Clip]:
+        """The clip at a path, all clips of the file there, or the one of them that `file#part` names."""
+        for name in ("clips.clip_path", "files.path"):
+            if found := self._select(f"{column.format(name)} = ? AND {condition}", [path, *values]):
+                return found
+        for file, part in splits(path):
+            if found := self._select(f"{column.format('files.path')} = ? AND {condition}", [file, *values]):
+                return [clip for clip in found if is_meant(part, clip.part, clip.take)]
+        return []
 
     def reference(self, root: str, path: str) -> str:
         """What `find` takes for a clip of a root: the path, after the root's name where there are several roots."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sqlite3
 from collections.abc import Iterable, Iterator, Sequence
@@ -13,6 +14,8 @@ from pathlib import Path
 from encoders.errors import BundleError, BundleMismatch, LibraryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
+from indexer.part_names import with_part
+from indexer.read_motion import ReadMotion
 from indexer.store import captions, clip_vectors, poses, schema
 from indexer.store.captions import CaptionRow
 from indexer.store.clip_vectors import ClipVectors
@@ -137,16 +140,46 @@ class Writer:
         )
 
     def fail(self, source: FileVersion, reason: str) -> None:
-        """Record that a file cannot be read; the clip of an earlier version of it is gone."""
+        """Record that a file cannot be read; the clips of an earlier version of it are gone."""
         self._retire(source)
         self._insert(source, FAILED, reason)
 
-    def add(self, source: FileVersion, motion: Motion, rig: str, vectors: ClipVectors, model_id: int) -> int:
-        """Store a new clip, or the new content of a known one, with the captions that name its path; its id."""
-        clip_id, is_new = self._clip(source, motion, rig)
-        captions.attach(self.connection, clip_id, source.root_id, source.file.path, is_new=is_new)
-        self._put_content(clip_id, motion, vectors, model_id)
-        return clip_id
+    def add(self, source: FileVersion, clips: Sequence[tuple[ReadMotion, ClipVectors]], model_id: int) -> list[int]:
+        """Store the clips of a file, new or its new content, each with the captions that name its path; their ids.
+
+        A clip that was there is known by its part; one whose part is no longer there is gone.
+        """
+        file_id = self._file(source)
+        ids = []
+        for read, vectors in clips:
+            clip_id, is_new = self._clip(file_id, source.file, read)
+            self._put_content(clip_id, read.motion, vectors, model_id)
+            ids.append((clip_id, is_new))
+        self._drop_others(file_id, [clip_id for clip_id, _ in ids])
+        paths = [with_part(source.file.path, read.part) for read, _ in clips]
+        # Captions that name the file alone are the first clip's.
+        for path, (clip_id, is_new) in zip((*paths, source.file.path), (*ids, ids[0]), strict=True):
+            captions.attach(self.connection, clip_id, source.root_id, path, is_new=is_new)
+        return [clip_id for clip_id, _ in ids]
+
+    def _drop_others(self, file_id: int, kept: Sequence[int]) -> None:
+        """Drop the clips of a file that are not among those kept.
+
+        Their rows stay, as of a file that has vanished, so that vector indexes learn that they went.
+        """
+        db = self.connection
+        rows = db.execute("SELECT id, clip_path FROM clips WHERE file_id = ?", (file_id,)).fetchall()
+        for clip_id, path in rows:
+            if clip_id in kept:
+                continue
+            gone = db.execute(
+                "INSERT INTO files(root_id, path, size, mtime_ns, hash, recipe, state) "
+                "SELECT root_id, ?, 0, 0, '', recipe, ? FROM files WHERE id = ?",
+                (path, GONE, file_id),
+            ).lastrowid
+            for table in ("poses", "embeddings", "windows"):
+                db.execute(f"DELETE FROM {table} WHERE clip_id = ?", (clip_id,))
+            db.execute("UPDATE clips SET file_id = ?, generation = ? WHERE id = ?", (gone, self._generation, clip_id))
 
     def add_array(
         self, item: ArrayItem, motion: Motion, rows: Sequence[CaptionRow], vectors: ClipVectors, model_id: int
@@ -154,7 +187,8 @@ class Writer:
         """Store a clip that no file holds, or replace the one of that id, with its captions; the clip's id."""
         root_id = self._arrays_root()
         digest = blake2b(motion.joints.tobytes(), digest_size=16, person=b"array").hexdigest()  # never that of a file
-        clip_id, is_new = self._clip(FileVersion(root_id, item, digest, ReadOptions()), motion, "")
+        file_id = self._file(FileVersion(root_id, item, digest, ReadOptions()))
+        clip_id, is_new = self._clip(file_id, item, ReadMotion(motion))
         captions.replace_of_clip(self.connection, root_id, clip_id, rows, is_new=is_new)
         self._put_content(clip_id, motion, vectors, model_id)
         return clip_id
@@ -191,19 +225,22 @@ class Writer:
         self.put_vectors(clip_id, vectors, model_id)
 
     def move(self, file_id: int, root_id: int, file: File) -> None:
-        """A file has moved, or is back; its clip keeps all that belongs to it."""
+        """A file has moved, or is back; its clips keep all that belongs to them."""
         db = self.connection
         db.execute("DELETE FROM files WHERE root_id = ? AND path = ? AND state = ?", (root_id, file.path, FAILED))
         db.execute(
             "UPDATE files SET root_id = ?, path = ?, size = ?, mtime_ns = ?, state = ? WHERE id = ?",
             (root_id, file.path, file.size, file.mtime_ns, INDEXED, file_id),
         )
-        db.execute(
-            "UPDATE clips SET name = ?, format = ?, generation = ? WHERE file_id = ?",
-            (file.name, file.format, self._generation, file_id),
-        )
-        clip_id = db.execute("SELECT id FROM clips WHERE file_id = ?", (file_id,)).fetchone()[0]
-        captions.attach(db, clip_id, root_id, file.path, is_new=False)
+        clips = db.execute("SELECT id, part FROM clips WHERE file_id = ? ORDER BY id", (file_id,)).fetchall()
+        for clip_id, part in clips:
+            path = with_part(file.path, part)
+            db.execute(
+                "UPDATE clips SET name = ?, clip_path = ?, format = ?, generation = ? WHERE id = ?",
+                (with_part(file.name, part), path, file.format, self._generation, clip_id),
+            )
+            captions.attach(db, clip_id, root_id, path, is_new=False)
+        captions.attach(db, clips[0][0], root_id, file.path, is_new=False)
 
     def gone(self, file_ids: Iterable[int]) -> None:
         """Files have vanished: their clips are no longer found, but kept in case they come back."""
@@ -234,34 +271,44 @@ class Writer:
         db.execute("DELETE FROM models WHERE id != ?", (model_id,))
         db.execute("INSERT OR REPLACE INTO settings(key, value) VALUES ('model', ?)", (model_id,))
 
-    def _clip(self, source: FileVersion, motion: Motion, rig: str) -> tuple[int, bool]:
-        """The row of a file's clip, inserted or updated: its id, and whether it is new."""
-        db = self.connection
-        values = (source.file.name, source.file.format, rig, motion.fps, len(motion), motion.duration, self._generation)
-        row = db.execute(
-            "SELECT clips.id, files.id FROM clips JOIN files ON files.id = clips.file_id "
-            "WHERE files.root_id = ? AND files.path = ? AND files.state = ?",
+    def _file(self, source: FileVersion) -> int:
+        """The row of an indexed file, inserted or updated."""
+        row = self.connection.execute(
+            "SELECT id FROM files WHERE root_id = ? AND path = ? AND state = ?",
             (source.root_id, source.file.path, INDEXED),
         ).fetchone()
         if row is None:
-            file_id = self._insert(source, INDEXED, None)
-            added = datetime.now(timezone.utc).isoformat(timespec="seconds")
-            cursor = db.execute(
-                "INSERT INTO clips(name, format, rig, fps, frames, duration, generation, file_id, added) "
-                "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                (*values, file_id, added),
-            )
-            return int(cursor.lastrowid or 0), True
-        db.execute(
+            return self._insert(source, INDEXED, None)
+        self.connection.execute(
             "UPDATE files SET size = ?, mtime_ns = ?, hash = ?, recipe = ? WHERE id = ?",
-            (source.file.size, source.file.mtime_ns, source.hash, source.options.text(), row[1]),
+            (source.file.size, source.file.mtime_ns, source.hash, source.options.text(), row[0]),
         )
-        db.execute(
-            "UPDATE clips SET name = ?, format = ?, rig = ?, fps = ?, frames = ?, duration = ?, generation = ? "
-            "WHERE id = ?",
-            (*values, row[0]),
-        )
-        return int(row[0]), False
+        return int(row[0])
+
+    def _clip(self, file_id: int, file: File, read: ReadMotion) -> tuple[int, bool]:
+        """The row of one of a file's clips, inserted or updated: its id, and whether it is new."""
+        values = {
+            "name": with_part(file.name, read.part),
+            "clip_path": with_part(file.path, read.part),
+            "format": file.format,
+            "rig": read.rig,
+            "fps": read.motion.fps,
+            "frames": len(read.motion),
+            "duration": read.motion.duration,
+            "generation": self._generation,
+        }
+        values |= read.reading.record() | {"warnings": json.dumps(read.reading.warnings, ensure_ascii=False)}
+        db = self.connection
+        row = db.execute("SELECT id FROM clips WHERE file_id = ? AND part = ?", (file_id, read.part)).fetchone()
+        if row is not None:
+            settings = ", ".join(f"{name} = ?" for name in values)
+            db.execute(f"UPDATE clips SET {settings} WHERE id = ?", (*values.values(), row[0]))
+            return int(row[0]), False
+        values |= {"file_id": file_id, "part": read.part}
+        values["added"] = datetime.now(timezone.utc).isoformat(timespec="seconds")
+        marks = ", ".join("?" * len(values))
+        cursor = db.execute(f"INSERT INTO clips({', '.join(values)}) VALUES ({marks})", tuple(values.values()))
+        return int(cursor.lastrowid or 0), True
 
     def _insert(self, source: FileVersion, state: str, reason: str | None) -> int:
         db, file = self.connection, source.file

@@ -16,6 +16,7 @@ from encoders.errors import ArgumentError, MotionSeekWarning, QueryError
 from encoders.motion import Motion
 from indexer.formats.opening import read_bytes
 from indexer.formats.reading import is_of_format, split_name
+from indexer.part_names import with_part
 from search.export import bvh_writer, glb_writer
 from search.export.bvh_cut import cut_lines
 from search.export.onto_rig import onto_rig
@@ -97,7 +98,8 @@ def write_cut(
     if rig is not None and writer is not _write_bvh:
         raise QueryError(f"{out}: only a .bvh is written on the rig of another file")
     if writer is _write_bvh and rig is None and not stale and source.file is not None:
-        frames = _in_source_rig(source, source.file, out, max(start or 0.0, 0.0), motion.duration, options)
+        path = Path(with_part(str(source.file), source.part))
+        frames = _in_source_rig(source, path, out, max(start or 0.0, 0.0), motion.duration, options)
         if frames is not None:
             return frames
     with replacing(out) as file:
@@ -110,8 +112,8 @@ def _in_source_rig(
     """Write a cut of a file in the file's own rig; None where it has none."""
     rig = SourceRig.of(path, source.duration)
     first, count = rig.span(start, seconds)
-    file, part = split_name(path)
-    if options == WriteOptions() and not part and not rig.take.warnings and is_of_format(file, ".bvh"):
+    file, _ = split_name(path)
+    if options == WriteOptions() and rig.is_only and not rig.take.warnings and is_of_format(file, ".bvh"):
         text = cut_lines(read_bytes(file), len(rig.take.positions), first, count, rig.fps)
         if text is not None:
             with replacing(out) as written:

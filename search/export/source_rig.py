@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from encoders.errors import UnknownRig
 from encoders.geometry import rotation_between
-from indexer.formats.reading import read_take
+from indexer.ingest.file_parts import read_part
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import RigMap, map_rig
 from indexer.rigs.own_rig import as_own_rig
@@ -40,23 +40,26 @@ class SourceRig:
         Frames before the movement: times count from there.
     fps : float
         Frames a second, as the motion was read with.
+    is_only : bool
+        Whether the file holds no other motion.
     """
 
     take: Take
     rig: RigMap | None
     skipped: int
     fps: float
+    is_only: bool = True
 
     @classmethod
-    def of(cls, file: Path, duration: float) -> SourceRig:
-        """The rig of a file whose motion lasts `duration` seconds.
+    def of(cls, path: Path, duration: float) -> SourceRig:
+        """The rig of a file, or of the part of it that `file#part` names, whose motion lasts `duration` seconds.
 
         Raises
         ------
         UnreadableMotion
             If it cannot be read.
         """
-        take = read_take(file)
+        file, take, is_only = read_part(path)
         fps = take.fps or 20.0
         rig, skipped = None, 0
         with suppress(UnknownRig):
@@ -66,7 +69,7 @@ class SourceRig:
         frames = len(take.positions) - skipped
         if abs(frames / fps - duration) > max(0.2, 2 / fps):  # it was read at another rate than the file states
             fps = frames / duration
-        return cls(take, rig, skipped, fps)
+        return cls(take, rig, skipped, fps, is_only)
 
     def span(self, start: float, seconds: float) -> tuple[int, int]:
         """The first frame of a span of the motion, and how many."""

@@ -69,7 +69,8 @@ def _matching(
         pattern = "".join(f"[{letter}]" if letter in literal else letter for letter in rest)
         alternatives = [pattern, f"{pattern}/*"] if literal == "*?[" else [pattern]
         alternatives = alternatives if rest else ["*"]
-        matches = " OR ".join([f"{function}(files.path) GLOB ?"] * len(alternatives))
+        columns = ("files.path", "clips.clip_path")
+        matches = " OR ".join(f"{function}({column}) GLOB ?" for column in columns for _ in alternatives)
         conditions.append(f"({matches})" if root is None else f"(files.root_id = ? AND ({matches}))")
-        values += [*([] if root is None else [root]), *alternatives]
+        values += [*([] if root is None else [root]), *alternatives, *alternatives]
     return library.ids(" OR ".join(conditions), values)

@@ -85,6 +85,12 @@ class MotionResponse(BaseModel):
     format: str
     rig: str
     added: str
+    up: str | None = None
+    up_reason: str | None = None
+    start: float = 0.0
+    source_fps: float | None = None
+    source_frames: int | None = None
+    warnings: list[str] = []
     captions: list[CaptionModel]
 
 

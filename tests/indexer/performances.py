@@ -117,3 +117,12 @@ def _written_order(parents: list[int]) -> list[int]:
         return [joint, *(j for kid, above in enumerate(parents) if above == joint for j in below(kid))]
 
     return below(0)
+
+
+def together(*texts: str) -> str:
+    """The figures of several BVH texts of equal length in one, each under a root of its own."""
+    parts = [text.split("MOTION\n") for text in texts]
+    rows = [motion.splitlines() for _, motion in parts]
+    trees = "".join(tree.removeprefix("HIERARCHY\n") for tree, _ in parts)
+    values = [" ".join(columns) for columns in zip(*(lines[2:] for lines in rows), strict=True)]
+    return "\n".join(["HIERARCHY", trees + "MOTION", *rows[0][:2], *values]) + "\n"

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +18,11 @@ from search.cli import options
 
 if TYPE_CHECKING:
     from indexer.ingest.indexing import Summary
+
+
+#: Kinds of warnings about clips that are printed.
+_KINDS = 20
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
 @click.command()
@@ -117,13 +124,30 @@ def progress_bar() -> Iterator[Callable[[int, int, str], None]]:
         yield update
 
 
+def grouped(warnings: Sequence[tuple[str, str]]) -> list[str]:
+    """Warnings about clips as lines: one for all that differ in numbers only, and a count of those beyond some."""
+    alike: dict[str, list[tuple[str, str]]] = {}
+    for path, warning in warnings:
+        alike.setdefault(_NUMBER.sub("0", warning), []).append((path, warning))
+    lines = []
+    for group in islice(alike.values(), _KINDS):
+        path, warning = group[0]
+        others = len(group) - 1
+        more = f" (and {others} more like it)" if others else ""
+        lines.append(f"{path}: {warning}{more}")
+    if len(alike) > _KINDS:
+        rest = sum(map(len, islice(alike.values(), _KINDS, None)))
+        lines.append(f"{rest} other warnings; 'motionseek list --json' has those of every clip")
+    return lines
+
+
 def report(summary: Summary, place: str) -> None:
     """Print the summary of a run on stdout, failures and warnings on stderr; `place` names the library."""
     from search.cli import terminal
 
     for path, reason in summary.failed:
         terminal.note(f"failed: {path}: {reason}")
-    for warning in summary.warnings:
+    for warning in summary.warnings + grouped(summary.reading_warnings):
         terminal.note(f"warning: {warning}")
     if summary.failed_before:
         files = "1 file" if summary.failed_before == 1 else f"{summary.failed_before} files"

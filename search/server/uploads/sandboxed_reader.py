@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from encoders.motion import Motion
 from indexer.ingest import worker
+from indexer.read_motion import ReadMotion
 
 READ = "search.server.uploads.sandboxed_reader:read"
 
@@ -15,19 +15,21 @@ SECONDS = 60
 MAX_FRAMES = 2 * 60 * 60 * 20
 
 
-def read(path: str, fps: float | None, joint_map: dict[str, str] | None) -> tuple[Motion, str]:
-    """`indexer.ingest.worker.read` under resource limits.
+def read(
+    path: str, fps: float | None = None, joint_map: dict[str, str] | None = None, up: str | None = None
+) -> list[ReadMotion]:
+    """`indexer.ingest.worker.read_all_parts` under resource limits.
 
     Raises
     ------
     MemoryError
-        If the motion is too long or a limit is reached.
+        If the motions are too long or a limit is reached.
     """
     limit_resources()
-    motion, rig = worker.read(path, fps, joint_map)
-    if len(motion) > MAX_FRAMES:
+    clips = worker.read_all_parts(path, fps, joint_map, up)
+    if sum(len(clip.motion) for clip in clips) > MAX_FRAMES:
         raise MemoryError
-    return motion, rig
+    return clips
 
 
 def limit_resources() -> None:

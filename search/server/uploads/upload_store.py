@@ -122,10 +122,11 @@ class UploadStore:
     def _read(self, path: Path, name: str) -> Upload:
         request = pool.Request(None, path)
         _, read = next(iter(pool.read_all([request], 1, patience=self._limits.patience, target=READ)))
-        if read.motion is None:
+        if not read.clips:
             raise HTTPException(422, f"{name}: {read.reason.replace(str(path), name)}")
-        source = MotionSource.of_motion(read.motion, name)
-        upload = Upload(f"u{secrets.token_hex(16)}", source, path.suffix.removeprefix("."), read.rig)
+        clip = read.clips[0]
+        source = MotionSource.of_motion(clip.motion, name)
+        upload = Upload(f"u{secrets.token_hex(16)}", source, path.suffix.removeprefix("."), clip.rig)
         self._uploads.put(upload.key, upload)
         return upload
 

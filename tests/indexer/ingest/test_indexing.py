@@ -16,6 +16,7 @@ from indexer.ingest import indexing, side_files
 from indexer.ingest.indexing import index
 from indexer.ingest.pool import Read
 from indexer.ingest.reencode import reencode
+from indexer.read_motion import ReadMotion
 from indexer.store import read_options
 from indexer.store.lock import write_lock
 from indexer.store.stored_library import FOLDER, Caption, StoredLibrary
@@ -39,9 +40,9 @@ def read_here(monkeypatch):
             read.append(request.key.source.file.path)
             try:
                 fps = request.fps or 20.0
-                yield request.key, Read(Motion(np.load(request.path), fps).resample(20.0), "rig")
+                yield request.key, Read((ReadMotion(Motion(np.load(request.path), fps).resample(20.0), rig="rig"),))
             except Exception as error:
-                yield request.key, Read(None, reason=f"cannot be read: {error}")
+                yield request.key, Read(reason=f"cannot be read: {error}")
 
     monkeypatch.setattr(indexing, "read_all", read_all)
     return read

@@ -11,10 +11,11 @@ import pytest
 from encoders.errors import MotionSeekError, UnreadableMotion
 from encoders.motion import Motion
 from indexer.ingest.pool import Request, read_all
+from indexer.read_motion import Reading, ReadMotion
 from tests.indexer.folders import moving, write
 
 
-def misbehave(path, fps, joint_map):
+def misbehave(path, fps, joint_map, up):
     """Stands in for reading; runs in the worker."""
     name = Path(path).name
     if name == "crash":
@@ -33,7 +34,9 @@ def misbehave(path, fps, joint_map):
         print("{}", flush=True)
         os.write(1, b'{"frames": 1}\n')
     frames = int(name) if name.isdigit() else 3
-    return Motion(np.full((frames, 22, 3), fps or 0, np.float32)), f"rig of {name} {joint_map}"
+    motion = Motion(np.full((frames, 22, 3), fps or 0, np.float32))
+    reading = Reading(start=0.5, source_fps=120.0, source_frames=9, warnings=("a", "b"))
+    return [ReadMotion(motion, "", f"rig of {name} {joint_map}", reading), ReadMotion(motion, "2")]
 
 
 def read(names, *, jobs=1, patience=20.0, **options):
@@ -42,10 +45,12 @@ def read(names, *, jobs=1, patience=20.0, **options):
 
 
 def test_a_motion_comes_back_as_it_was_read():
-    found = read(["7"], fps=2.5, joint_map={"head": "Kopf"})["7"]
+    found, second = read(["7"], fps=2.5, joint_map={"head": "Kopf"})["7"].clips
     assert found.rig == "rig of 7 {'head': 'Kopf'}"
     assert found.motion.joints.shape == (7, 22, 3)
     assert (found.motion.joints == 2.5).all()
+    assert found.reading == Reading(start=0.5, source_fps=120.0, source_frames=9, warnings=("a", "b"))
+    assert (second.part, len(second.motion)) == ("2", 7)
 
 
 @pytest.mark.parametrize(
@@ -60,24 +65,24 @@ def test_a_motion_comes_back_as_it_was_read():
 )
 def test_a_file_that_cannot_be_read_is_reported_and_the_rest_is_read(name, reason):
     found = read(["1", name, "2"])
-    assert found[name].motion is None
+    assert not found[name].clips
     import re
 
     assert re.search(reason, found[name].reason)
-    assert len(found["1"].motion) == 1
-    assert len(found["2"].motion) == 2
+    assert len(found["1"].clips[0].motion) == 1
+    assert len(found["2"].clips[0].motion) == 2
 
 
 def test_a_file_that_hangs_is_given_up():
     began = time.monotonic()
     found = read(["hang", "1"], patience=1.0)
     assert found["hang"].reason == "reading took more than 1 s and was ended"
-    assert found["1"].motion is not None
+    assert found["1"].clips
     assert time.monotonic() - began < 50  # it would hang for 60
 
 
 def test_what_a_reader_prints_does_no_harm():
-    assert read(["chatty"])["chatty"].motion is not None
+    assert read(["chatty"])["chatty"].clips
 
 
 def test_results_come_in_order_and_few_are_read_ahead():
@@ -109,8 +114,8 @@ def test_nothing_in_the_working_directory_is_imported(tmp_path, monkeypatch):
     path = write(tmp_path / "a.npy", 1)
     found = dict(read_all([Request("a", path)], 1))["a"]
     assert found.reason == ""
-    assert len(found.motion) == len(moving(1))
-    assert found.rig.startswith("pelvis-22-")
+    assert len(found.clips[0].motion) == len(moving(1))
+    assert found.clips[0].rig.startswith("pelvis-22-")
 
 
 def test_processes_that_cannot_start_are_an_error_and_no_files_fault(monkeypatch):
@@ -124,4 +129,4 @@ def test_processes_that_cannot_start_are_an_error_and_no_files_fault(monkeypatch
 def test_a_joint_map_for_other_rigs_is_left_aside(tmp_path):
     path = write(tmp_path / "a.npy", 1)
     found = dict(read_all([Request("a", path, joint_map={"head": "Kopf"})], 1))["a"]
-    assert found.motion is not None
+    assert found.clips

@@ -20,7 +20,7 @@ def root(tmp_path):
 
 def duration(root, path, **given):
     with StoredLibrary.open(root) as library:
-        return pytest.approx(read_unindexed(library, path, **given).duration, abs=0.15)
+        return pytest.approx(read_unindexed(library, path, **given).motion.duration, abs=0.15)
 
 
 def test_a_copy_is_read_as_the_file_of_its_content_was(root, tmp_path):

@@ -20,6 +20,7 @@ from encoders.motion import Motion
 from indexer.ingest import indexing
 from indexer.ingest.arrays import NewClip, add
 from indexer.ingest.pool import Read
+from indexer.read_motion import ReadMotion
 from indexer.store import poses, schema
 from indexer.store.stored_library import FILE, FOLDER, Caption, StoredLibrary
 from tests.indexer.folders import SmallBundle, moving, write
@@ -36,7 +37,7 @@ def in_process(monkeypatch):
 
     def read_all(requests, jobs):
         for request in requests:
-            yield request.key, Read(Motion(np.load(request.path)), "rig")
+            yield request.key, Read((ReadMotion(Motion(np.load(request.path)), rig="rig"),))
 
     monkeypatch.setattr(indexing, "read_all", read_all)
 

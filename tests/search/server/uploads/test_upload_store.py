@@ -12,6 +12,7 @@ import pytest
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 
+from indexer.read_motion import ReadMotion
 from search.export import bvh_writer, joints_binary
 from search.server.uploads import sandboxed_reader
 from search.server.uploads.upload_store import UploadLimits, UploadStore
@@ -201,9 +202,9 @@ def test_nothing_is_left_on_disk(served, dance, tmp_path, monkeypatch):
 
 
 def test_the_longest_upload_is_two_hours(monkeypatch):
-    monkeypatch.setattr("indexer.ingest.worker.read", lambda *_: (made_motion(3.0, 5), "rig"))
+    monkeypatch.setattr("indexer.ingest.worker.read_all_parts", lambda *_: [ReadMotion(made_motion(3.0, 5))])
     monkeypatch.setattr(sandboxed_reader, "limit_resources", lambda: None)
-    assert len(sandboxed_reader.read("x.bvh", None, None)[0]) == 60
+    assert len(sandboxed_reader.read("x.bvh")[0].motion) == 60
     monkeypatch.setattr(sandboxed_reader, "MAX_FRAMES", 59)
     with pytest.raises(MemoryError):
-        sandboxed_reader.read("x.bvh", None, None)
+        sandboxed_reader.read("x.bvh")

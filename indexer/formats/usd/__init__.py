@@ -1,1 +1,0 @@
-"""USD: stages that reach no file outside their folder, and the skeletal animation (UsdSkel) in them."""
