@@ -28,6 +28,11 @@ class Pose(NamedTuple):
         placed: NDArray[np.float64] = self.position + x * local[0] + y * local[1] + z * local[2]
         return placed
 
+    def below(self, local: Pose) -> Pose:
+        """The pose in the world of one given in this frame, whose axes may be scaled."""
+        x, y, z = (self.place(axis) - self.position for axis in local.axes)
+        return Pose((x, y, z), self.place(local.position))
+
 
 def turn(axes: Axes, axis: int, angle: NDArray[np.float64]) -> Axes:
     """Frames turned about one of their own axes (0, 1, 2) by `angle` (T,) radians: R <- R @ R_axis(angle).
@@ -40,6 +45,16 @@ def turn(axes: Axes, axis: int, angle: NDArray[np.float64]) -> Axes:
     turned[first] = axes[first] * cos + axes[second] * sin
     turned[second] = axes[second] * cos - axes[first] * sin
     return turned[0], turned[1], turned[2]
+
+
+def quaternion_axes(quaternions: NDArray[np.float64]) -> Axes:
+    """The axes (3, T) of rotations from unit quaternions (4, T) in the order x, y, z, w."""
+    x, y, z, w = quaternions
+    return (
+        np.array([1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)]),
+        np.array([2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)]),
+        np.array([2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)]),
+    )
 
 
 def tips(parents: NDArray[np.int64], rest: NDArray[np.float64]) -> list[tuple[int, NDArray[np.float64]]]:

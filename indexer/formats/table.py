@@ -19,6 +19,7 @@ from encoders.errors import UnreadableMotion
 from indexer.formats import amc, bvh, npy, npz
 from indexer.formats.gltf import gltf_reader
 from indexer.formats.refused import REFUSED
+from indexer.formats.usd import usd_reader
 from indexer.take import Take
 
 #: Bytes at the start of a file in which its signature is looked for, and that of a companion.
@@ -77,6 +78,10 @@ FORMATS = (
     Format(".gltf", gltf_reader.read, rb"\{", needs_ending=True),
     Format(".vrm", gltf_reader.read, rb"gltf"),
     Format(".vrma", gltf_reader.read, rb"gltf"),
+    Format(".usd", usd_reader.read, rb"#usda|pxr-usdc"),
+    Format(".usda", usd_reader.read, rb"#usda"),
+    Format(".usdc", usd_reader.read, rb"pxr-usdc"),
+    Format(".usdz", usd_reader.read, rb"pk", needs_ending=True),
 )
 # fmt: on
 READABLE: dict[str, Format] = {row.ending: row for row in FORMATS}

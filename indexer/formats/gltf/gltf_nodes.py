@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from encoders.geometry import unit
 from indexer.formats.gltf.gltf_animation import Channel
 from indexer.formats.gltf.gltf_container import Document
-from indexer.formats.kinematics import Axes, Pose
+from indexer.formats.kinematics import Axes, Pose, quaternion_axes
 
 Array = NDArray[np.float64]
 
@@ -22,17 +22,17 @@ Moves = Mapping[str, Channel]
 
 @dataclass(frozen=True)
 class Local:
-    """A node's own transform: it scales (3,), turns by a matrix (3, 3), shifts (3,)."""
+    """A node's own transform: it scales by (3,), turns to the axes, each (3, 1), and shifts by (3,)."""
 
     translation: Array
-    rotation: Array
+    axes: Axes
     scale: Array
 
     def at(self, times: Array, moves: Moves) -> Pose:
         """The transform at times (T,), as columns (3, T), or (3, 1) where nothing moves it."""
         found = {target: channel.at(times).T for target, channel in moves.items()}
         scale = found.get("scale", self.scale[:, None])
-        x, y, z = _columns(found["rotation"]) if "rotation" in found else (self.rotation[:, i, None] for i in range(3))
+        x, y, z = quaternion_axes(found["rotation"]) if "rotation" in found else self.axes
         return Pose((x * scale[0], y * scale[1], z * scale[2]), found.get("translation", self.translation[:, None]))
 
 
@@ -92,10 +92,11 @@ class NodeTree:
         if "matrix" in row:
             matrix = self._numbers(row, "matrix", np.eye(4).ravel()).reshape(4, 4).T
             scale = np.linalg.norm(matrix[:3, :3], axis=0)
-            return Local(matrix[:3, 3], matrix[:3, :3] / np.where(scale > 0, scale, 1.0), scale)
-        rotation = np.array(_columns(unit(self._numbers(row, "rotation", np.array([0.0, 0, 0, 1])))[:, None]))
+            x, y, z = (matrix[:3, :3] / np.where(scale > 0, scale, 1.0)).T[:, :, None]
+            return Local(matrix[:3, 3], (x, y, z), scale)
+        quaternion = unit(self._numbers(row, "rotation", np.array([0.0, 0, 0, 1])))
         scale = self._numbers(row, "scale", np.ones(3))
-        return Local(self._numbers(row, "translation", np.zeros(3)), rotation[:, :, 0].T, scale)
+        return Local(self._numbers(row, "translation", np.zeros(3)), quaternion_axes(quaternion[:, None]), scale)
 
     def worlds(self, locals_: Mapping[int, Local], times: Array, moves: Mapping[int, Moves]) -> dict[int, Pose]:
         """World transforms at times (T,) of nodes, given parents first, with all their ancestors."""
@@ -103,7 +104,7 @@ class NodeTree:
         for node, still in locals_.items():
             local = still.at(times, moves.get(node, {}))
             parent = self.parents[node]
-            poses[node] = local if parent < 0 else below(poses[parent], local)
+            poses[node] = local if parent < 0 else poses[parent].below(local)
         return poses
 
     def _numbers(self, row: dict[str, Any], key: str, default: Array) -> Array:
@@ -114,22 +115,6 @@ class NodeTree:
         if values.shape != default.shape or not np.isfinite(values).all():
             raise self._document.damaged(f"the {key} of a node is no {len(default)} numbers")
         return values
-
-
-def below(parent: Pose, local: Pose) -> Pose:
-    """A transform in the world that is given in its parent's frame."""
-    x, y, z = (parent.place(axis) - parent.position for axis in local.axes)
-    return Pose((x, y, z), parent.place(local.position))
-
-
-def _columns(quaternions: Array) -> Axes:
-    """The columns (3, T) of rotations from unit quaternions (4, T) in the order x, y, z, w."""
-    x, y, z, w = quaternions
-    return (
-        np.array([1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)]),
-        np.array([2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)]),
-        np.array([2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)]),
-    )
 
 
 def _children(document: Document, row: dict[str, Any], nodes: int) -> list[int]:

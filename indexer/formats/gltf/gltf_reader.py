@@ -16,20 +16,15 @@ from indexer.formats.gltf.gltf_animation import Channel, moved_nodes, read_chann
 from indexer.formats.gltf.gltf_container import Document
 from indexer.formats.gltf.gltf_nodes import NodeTree
 from indexer.formats.gltf.gltf_skeleton import NodeSkeleton, find_skeleton
-from indexer.formats.kinematics import tips
-from indexer.formats.take_names import take_names
+from indexer.formats.kinematics import Pose
+from indexer.formats.scenes.key_times import key_rate, sample_times
+from indexer.formats.scenes.scene_take import MAX_PLACES, scene_take
+from indexer.formats.scenes.take_names import take_names
 from indexer.take import Take
 
-#: Where keys are sparse an animation is sampled at the usual rate; none is sampled faster than the fastest cameras.
-SPARSE_FPS, USUAL_FPS, MAX_FPS = 20, 30, 240
-#: Frames times joints of all takes of a file, which a few bytes of keys can ask for: a gigabyte.
-MAX_PLACES = 40_000_000
 MAX_ANIMATIONS = 1000
-MAX_HOURS = 12
-_BLOCK = 4096  # frames whose poses fit the processor's cache, and bound the memory they need
 _LEAST = 64  # frames that a take is counted as, at least, for the time that each joint takes
 _LATE = 1.0  # seconds before the first key above which they are no part of the movement
-_ON_GRID = 0.01  # frames by which the last key may lie before a frame
 
 Array = NDArray[np.float64]
 
@@ -74,25 +69,15 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
     return takes if len(takes) > 1 else [replace(takes[0], name="")]
 
 
-def key_rate(keys: Sequence[Array]) -> float:
-    """Frames a second of key times (K,): the most common spacing; `USUAL_FPS` where keys are sparse."""
-    spacings = np.concatenate([np.diff(times) for times in keys])
-    rates = np.round(1 / spacings[(spacings > 1 / (4 * MAX_FPS)) & (spacings < 10)]).astype(np.int64)
-    if not len(rates):
-        return float(USUAL_FPS)
-    common = int(np.bincount(rates).argmax())
-    return float(min(common, MAX_FPS) if common >= SPARSE_FPS else USUAL_FPS)
-
-
 def _times(document: Document, channels: Sequence[Channel], rate: float, name: str) -> Array:
     """When an animation is sampled, (T,) seconds: from 0, or from its first key where that comes late, to its last."""
     first = min(float(channel.times[0]) for channel in channels)
     last = max(float(channel.times[-1]) for channel in channels)
     start = 0.0 if 0 <= first <= _LATE else first
-    if last - start > MAX_HOURS * 3600:
-        raise document.error(f"the animation {name!r} lasts {(last - start) / 3600:.3g} hours")
-    times: Array = start + np.arange(int((last - start) * rate + _ON_GRID) + 1) / rate
-    return times
+    try:
+        return sample_times(start, last, rate)
+    except ValueError as error:
+        raise document.error(f"of the animation {name!r}: {error}") from None
 
 
 def _take(
@@ -109,27 +94,20 @@ def _take(
     for channel in channels:
         moves.setdefault(channel.node, {})[channel.target] = channel
     joints = skeleton.moved_by(tree, moves)
-    rest = skeleton.rest[joints]
-    parents = np.array([joints.index(parent) if parent >= 0 else -1 for parent in skeleton.parents[joints].tolist()])
-    ends = [(leaf, step) for leaf, step in tips(parents, rest[:, :3, 3]) if skeleton.joints[joints[leaf]] in moves]
-    names = [skeleton.names[joint] for joint in joints]
-    steps = [np.linalg.pinv(rest[leaf, :3, :3]) @ step for leaf, step in ends]
     locals_ = {node: tree.local(node) for node in needed}
-    positions = np.empty((len(joints) + len(ends), 3, len(times)))
-    for start in range(0, len(times), _BLOCK):
-        block = slice(start, start + _BLOCK)
-        worlds = tree.worlds(locals_, times[block], moves)
-        poses = [worlds[skeleton.joints[joint]] for joint in joints]
-        for joint, pose in enumerate(poses):
-            positions[joint, :, block] = pose.position
-        for row, ((leaf, _), step) in enumerate(zip(ends, steps, strict=True), start=len(joints)):
-            positions[row, :, block] = poses[leaf].place(step)
-    return Take(
-        (*names, *(f"{names[leaf]}_end" for leaf, _ in ends)),
-        np.concatenate([parents, np.array([leaf for leaf, _ in ends], np.int64)]),
-        np.concatenate([rest[:, :3, 3], np.array([rest[leaf, :3, 3] + step for leaf, step in ends]).reshape(-1, 3)]),
-        positions.transpose(2, 0, 1),
-        fps,
+
+    def posed(at: Array) -> list[Pose]:
+        worlds = tree.worlds(locals_, at, moves)
+        return [worlds[skeleton.joints[joint]] for joint in joints]
+
+    return scene_take(
+        [skeleton.names[joint] for joint in joints],
+        np.array([joints.index(parent) if parent >= 0 else -1 for parent in skeleton.parents[joints].tolist()]),
+        skeleton.rest[joints],
+        {row for row, joint in enumerate(joints) if skeleton.joints[joint] in moves},
+        posed,
+        times,
+        fps=fps,
         name=name,
         up="y",
     )

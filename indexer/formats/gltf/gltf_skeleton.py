@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,9 +13,8 @@ from indexer.formats.gltf.gltf_accessors import read_accessor
 from indexer.formats.gltf.gltf_container import Document
 from indexer.formats.gltf.gltf_nodes import NodeTree
 from indexer.formats.kinematics import Pose
-
-MAX_JOINTS = 4096
-_SAME, _ALIKE = 1e-3, 0.02  # shares by which transforms and lengths of bones may differ
+from indexer.formats.scenes.bind_pose import bind_pose
+from indexer.formats.scenes.scene_take import MAX_JOINTS
 
 Array = NDArray[np.float64]
 
@@ -128,8 +127,12 @@ def _rest(document: Document, tree: NodeTree, joints: list[int], members: list[l
             inverse = read_accessor(document, accessor, "MAT4").reshape(-1, 4, 4).swapaxes(1, 2)
             if len(inverse) < len(nodes):
                 raise document.damaged(f"skin {number} has {len(nodes)} joints and {len(inverse)} bind matrices")
-            mesh = still[wearers[number]] if number in wearers else None
-            bound = {**_bind_pose(tree, nodes, inverse[: len(nodes)], still, mesh), **bound}
+            places = [still[wearers[number]]] if number in wearers else []
+            index = {node: i for i, node in enumerate(nodes)}
+            parents = [index.get(tree.parents[node], -1) for node in nodes]
+            now = np.array([still[node] for node in nodes])
+            placed = bind_pose(now, inverse[: len(nodes)], parents, places)
+            bound = {**dict(zip(nodes, placed, strict=True)), **bound}
     rest = _worlds(tree, own, bound)
     return np.array([rest[node] for node in joints]).reshape(-1, 4, 4)
 
@@ -140,38 +143,6 @@ def _worlds(tree: NodeTree, own: Mapping[int, Array], known: Mapping[int, Array]
     for node, matrix in own.items():
         worlds[node] = known[node] if node in known else worlds[tree.parents[node]] @ matrix
     return worlds
-
-
-def _bind_pose(
-    tree: NodeTree, joints: list[int], inverse: Array, still: Mapping[int, Array], mesh: Array | None
-) -> dict[int, Array]:
-    """World matrices of joints as they were bound to their mesh.
-
-    A skin gives them relative to the mesh, whose own place does not count once it is bound: it is taken from the
-    mesh's node, or from the uppermost joint, whichever keeps the lengths of bones. Nothing where neither does, or where
-    the nodes stand in the bind pose as they are.
-    """
-    now = np.array([still[node] for node in joints])
-    places = now @ inverse
-    if not np.isfinite(places).all() or np.abs(places - places[:1]).max() <= _SAME * np.abs(places[0]).max():
-        return {}
-    try:
-        binds = np.linalg.inv(inverse)
-    except np.linalg.LinAlgError:
-        return {}
-    number = {node: i for i, node in enumerate(joints)}
-    pairs = [(i, number[parent]) for node, i in number.items() if (parent := tree.parents[node]) in number]
-    top = next((i for node, i in number.items() if number.keys().isdisjoint(tree.above(node))), 0)
-    for place in (mesh, places[top]):
-        placed = None if place is None else place @ binds
-        if placed is not None and abs(_length(placed, pairs) - _length(now, pairs)) <= _ALIKE * _length(now, pairs):
-            return dict(zip(joints, placed, strict=True))
-    return {}
-
-
-def _length(matrices: Array, pairs: Iterable[tuple[int, int]]) -> float:
-    """How long all bones are together."""
-    return float(sum(np.linalg.norm(matrices[i, :3, 3] - matrices[j, :3, 3]) for i, j in pairs))
 
 
 def _matrix(pose: Pose) -> Array:

@@ -19,6 +19,8 @@ from indexer.formats.table import FORMATS, READABLE, detect, is_motion
         ("a.NPZ", b"PK\x03\x04", ".npz"),
         ("a.vrm", b"glTF\x02\0\0\0", ".glb"),
         ("a.gltf", b'\n{"asset": {}}', ".gltf"),
+        ("a.usdz", b"PK\x03\x04", ".usdz"),
+        ("a.usdc", b"#usda 1.0", ".usd"),
     ],
 )
 def test_the_content_decides_then_the_ending(name, data, ending):
@@ -30,7 +32,6 @@ def test_the_content_decides_then_the_ending(name, data, ending):
     [
         ("a.zip", b"PK\x03\x04", "ZIP cannot be read; unpack it"),
         ("a.bvh", b"; FBX 7.4.0 project file", "FBX cannot be read; export it as BVH"),
-        ("a.usdz", b"PK\x03\x04", "USD cannot be read; export glTF"),
         (
             "a.xml",
             b'<?xml version="1.0"?>\n<!-- a -->\n<COLLADA xmlns="">',
