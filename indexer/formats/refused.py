@@ -25,7 +25,6 @@ _SAVE = "save its joints (frames, 22, 3) in SMPL order with numpy.savez('walk.np
 
 # fmt: off
 REFUSED = (
-    Refused("FBX", (".fbx",), "export it as BVH, as Blender and MotionBuilder do", rb"kaydara fbx binary|; fbx"),
     Refused("Collada", (".dae",), "convert it to glTF, as assimp and Blender up to 4.5 do", _XML + rb"<collada"),
     Refused("Blender", (".blend",), "export glTF or BVH from Blender", rb"blender[-_\d]"),
     Refused("Maya", (".ma", ".mb"), "export its skeleton as FBX from Maya", rb"//maya ascii|for[48].{4,12}maya"),

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 from encoders.errors import UnreadableMotion
 from indexer.formats import amc, bvh, npy, npz
+from indexer.formats.fbx import fbx
 from indexer.formats.gltf import gltf_reader
 from indexer.formats.refused import REFUSED
 from indexer.formats.usd import usd_reader
@@ -72,6 +73,7 @@ FORMATS = (
     Format(".bvh", bvh.read, rb"hierarchy", is_text=True),
     Format(".amc", amc.read, rb".*:(fully-specified|degrees|radians)", is_text=True,
            default_fps=120.0, states_fps=False, companion=Companion(".asf", b":bonedata")),
+    Format(".fbx", fbx.read, rb"kaydara fbx binary|; *fbx|fbxheaderextension"),
     Format(".npy", npy.read, rb"\x93numpy", default_fps=20.0, states_fps=False),
     Format(".npz", npz.read, rb"pk", needs_ending=True, default_fps=20.0),
     Format(".glb", gltf_reader.read, rb"gltf"),

@@ -17,6 +17,8 @@ from indexer.formats.table import FORMATS, READABLE, detect, is_motion
         ("a.amc", b"1\nroot 0 0 0\n", ".amc"),
         ("a.bin", b"\x93NUMPY\x01\x00", ".npy"),
         ("a.NPZ", b"PK\x03\x04", ".npz"),
+        ("a.bvh", b"; FBX 7.4.0 project file", ".fbx"),
+        ("a.bin", b"Kaydara FBX Binary  \x00\x1a\x00", ".fbx"),
         ("a.vrm", b"glTF\x02\0\0\0", ".glb"),
         ("a.gltf", b'\n{"asset": {}}', ".gltf"),
         ("a.usdz", b"PK\x03\x04", ".usdz"),
@@ -31,7 +33,6 @@ def test_the_content_decides_then_the_ending(name, data, ending):
     ("name", "data", "reason"),
     [
         ("a.zip", b"PK\x03\x04", "ZIP cannot be read; unpack it"),
-        ("a.bvh", b"; FBX 7.4.0 project file", "FBX cannot be read; export it as BVH"),
         (
             "a.xml",
             b'<?xml version="1.0"?>\n<!-- a -->\n<COLLADA xmlns="">',
