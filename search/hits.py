@@ -20,7 +20,7 @@ _SHOWN, _SECONDS = 24, 10.0
 
 @dataclass(frozen=True)
 class Step:
-    """One step of an answer to a question in steps: its sentence, its span in seconds and its similarity."""
+    """One step of an answer to a question in steps: its sentence, its span in seconds as of `Hit`, its similarity."""
 
     text: str
     start: float
@@ -47,7 +47,7 @@ class Hit:
     strength : str
         "strong", "plausible" or "weak"; empty where the model carries no calibration.
     start, end : float
-        The span in seconds.
+        The span in seconds of the clip's file.
     duration : float
         The whole clip in seconds.
     caption : str
@@ -60,6 +60,10 @@ class Hit:
         Name of the indexed folder that holds the clip, unique in its library; empty for a motion that is not indexed.
     file : Path or None
         The absolute path of the source file; None for a motion without one.
+    source_fps : float or None
+        Frames a second of the file; None where they are not known.
+    first_frame, last_frame : int or None
+        The span's first and last frame in the file, counted from 0.
     read : callable or None
         Gives the Motion of the span, as long as its library is open.
     """
@@ -76,12 +80,16 @@ class Hit:
     steps: tuple[Step, ...] = ()
     root: str = ""
     file: Path | None = None
+    source_fps: float | None = None
+    first_frame: int | None = None
+    last_frame: int | None = None
     read: Callable[[], Motion] | None = field(default=None, repr=False, compare=False)
 
     def document(self) -> dict[str, Any]:
         """The hit as plain data with stable keys and rounded numbers, as the command line and the server write it.
 
-        `clip` and `root` are None for a motion that is not indexed; `steps` is there where the question has some.
+        `clip` and `root` are None for a motion that is not indexed; `steps` is there where the question has some;
+        `source_fps` and the frames are None where they are not known.
         """
         span = _rounded(self)
         fields = {"rank": self.rank, "path": self.path, "score": span["score"], "strength": self.strength}
@@ -90,7 +98,9 @@ class Hit:
         if self.steps:
             fields["steps"] = [step.document() for step in self.steps]
         indexed = self.clip_id >= 0
-        return fields | {"clip": self.clip_id if indexed else None, "root": self.root if indexed else None}
+        fields |= {"clip": self.clip_id if indexed else None, "root": self.root if indexed else None}
+        rate = None if self.source_fps is None else round(self.source_fps, 4)
+        return fields | {"source_fps": rate, "first_frame": self.first_frame, "last_frame": self.last_frame}
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"read": None}

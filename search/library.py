@@ -225,7 +225,8 @@ class Library(StoredLibrary):
         if checked_flag("captions", captions) and labels is not None:
             raise ArgumentError("labels and captions=True exclude each other; give one")
         given = sorted(set(self.caption_vectors()[0])) if captions else labels
-        return segment_motion(self.bundle, self.source(ref, fps=fps).motion, given)
+        source = self.source(ref, fps=fps)
+        return segment_motion(self.bundle, source.motion, given, start=source.start)
 
     @one_snapshot
     def export(

@@ -82,7 +82,7 @@ def span_of(ref: Ref, start: float | None, end: float | None) -> tuple[float | N
     """The span that is meant: `start` and `end` if one is given, else that of a hit that is a part of its clip."""
     if not isinstance(ref, Hit) or start is not None or end is not None:
         return start, end
-    is_whole = ref.start <= 0 and ref.end >= ref.duration
+    is_whole = ref.end - ref.start >= ref.duration - 1e-6
     in_memory = ref.clip_id < 0 and ref.file is None  # then `source_of` gives the span itself
     return (None, None) if is_whole or in_memory else (ref.start, ref.end)
 

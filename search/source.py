@@ -16,8 +16,9 @@ from encoders.errors import QueryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.formats.reading import split_name
-from indexer.ingest.load import load_motion
+from indexer.ingest.load import read_motion
 from indexer.ingest.unindexed import file_state, read_unindexed
+from indexer.read_motion import NOT_KNOWN, Reading, extent
 from indexer.store.clips import Caption, Clip
 from indexer.store.stored_library import StoredLibrary
 from search.hits import Hit, Step
@@ -31,6 +32,9 @@ _SHORTEST_CUT = 0.5
 class MotionSource:
     """A motion with what is known about it.
 
+    The times of captions, hits and cuts are those of its file, which may begin before the motion does; `read`, features
+    and windows count from where the motion begins.
+
     Attributes
     ----------
     path : str
@@ -40,7 +44,7 @@ class MotionSource:
     duration : float
         Seconds.
     read : callable
-        (start, end) in seconds, end None for the end -> Motion.
+        (start, end) in seconds from where the motion begins, end None for the end -> Motion.
     clip_id : int
         -1 where no library holds it.
     root : str
@@ -49,6 +53,8 @@ class MotionSource:
         The library whose stored captions and windows are its own.
     part : str
         Which of several motions of its file it is; see `indexer.part_names`.
+    reading : Reading
+        How it was read from its file.
     """
 
     path: str
@@ -59,6 +65,7 @@ class MotionSource:
     root: str = ""
     library: StoredLibrary | None = field(default=None, repr=False)
     part: str = ""
+    reading: Reading = NOT_KNOWN
     _features: dict[str, NDArray[np.float32]] = field(default_factory=dict, repr=False)
     _windows: dict[str, Sequence[Windows]] = field(default_factory=dict, repr=False)
 
@@ -67,9 +74,19 @@ class MotionSource:
         """A clip of a library, from its stored poses."""
 
         def read(start: float, end: float | None) -> Motion:
-            return library.motion(clip.id, start, end)
+            return library.motion(clip.id, clip.start + start, None if end is None else clip.start + end)
 
-        return cls(clip.path, clip.file, clip.duration, read, clip.id, clip.root_name, library, clip.part)
+        return cls(
+            clip.path,
+            clip.file,
+            clip.duration,
+            read,
+            clip.id,
+            clip.root_name,
+            library,
+            clip.part,
+            clip.reading,
+        )
 
     @classmethod
     def of_file(
@@ -87,14 +104,24 @@ class MotionSource:
         UnreadableMotion
             If it cannot be read.
         """
-        motion = load_motion(path, fps=fps) if library is None else read_unindexed(library, Path(path), fps=fps).motion
+        read = read_motion(fspath(path), fps) if library is None else read_unindexed(library, Path(path), fps=fps)
         file, part = split_name(path)
-        return replace(cls.of_motion(motion, fspath(path), file), part=part)
+        return replace(cls.of_motion(read.motion, fspath(path), file), part=part, reading=read.reading)
 
     @classmethod
     def of_motion(cls, motion: Motion, path: str = "", file: Path | None = None) -> MotionSource:
         """A motion in memory."""
         return cls(path, file, motion.duration, motion.crop)
+
+    @property
+    def start(self) -> float:
+        """Where the motion begins, in seconds of its file."""
+        return self.reading.start
+
+    @property
+    def end(self) -> float:
+        """Where it ends, in seconds of its file."""
+        return self.start + self.duration
 
     @cached_property
     def motion(self) -> Motion:
@@ -126,7 +153,7 @@ class MotionSource:
         return self._windows[encoder.fingerprint]
 
     def cut(self, start: float | None = None, end: float | None = None) -> Motion:
-        """The motion from `start` to `end`, in seconds.
+        """The motion from `start` to `end`, in seconds of its file.
 
         Raises
         ------
@@ -135,10 +162,13 @@ class MotionSource:
         """
         if start is None and end is None:
             return self.motion
-        try:
-            return self.read(start or 0.0, end)
-        except ValueError as error:
-            raise QueryError(f"{self.path}: {error}; give a start and end inside it, in seconds") from None
+        first, last = max(start or 0.0, self.start), self.end if end is None else min(end, self.end)
+        if not first < last:
+            raise QueryError(
+                f"{self.path}: span {first:g} to {last:g} s lies outside its {extent(self.start, self.duration)}; "
+                "give a start and end inside it, in seconds"
+            )
+        return self.read(first - self.start, None if end is None else last - self.start)
 
     def comparable_cut(self, start: float | None = None, end: float | None = None) -> Motion:
         """As `cut`, of a span long enough to be compared with other motions.
@@ -157,27 +187,31 @@ class MotionSource:
         return motion
 
     def caption(self, start: float, end: float) -> str:
-        """The caption of a span: the timed one that overlaps it longest, else one of the whole clip, else ""."""
+        """The caption of a span of the file: the timed one that overlaps it longest, else one of the whole, else ""."""
         timed = [(min(c.end, end) - max(c.start or 0.0, start), c.text) for c in self.captions if c.end is not None]
         if timed and max(timed)[0] > 0:
             return max(timed)[1]
         return next((c.text for c in self.captions if c.end is None), "")
 
     def hit(self, rank: int, moment: Moment, strength: str, steps: tuple[Step, ...] = ()) -> Hit:
-        """A moment of this motion as an answer."""
-        end = min(moment.end, self.duration)
+        """A moment of this motion, with its steps, as an answer in the times of its file."""
+        start, end = self.start + moment.start, self.start + min(moment.end, self.duration)
+        frames = self.reading.frames(start, end, self.duration)
         return Hit(
             rank=rank,
             path=self.path,
             score=moment.score,
             strength=strength,
-            start=moment.start,
+            start=start,
             end=end,
             duration=self.duration,
-            caption=self.caption(moment.start, moment.end),
+            caption=self.caption(start, self.start + moment.end),
             clip_id=self.clip_id,
-            steps=steps,
+            steps=tuple(replace(s, start=self.start + s.start, end=self.start + s.end) for s in steps),
             root=self.root,
             file=None if self.file is None else self.file.absolute(),
-            read=lambda: self.cut(moment.start, end),
+            source_fps=self.reading.source_fps if frames else None,
+            first_frame=frames[0] if frames else None,
+            last_frame=frames[1] if frames else None,
+            read=lambda: self.cut(start, end),
         )

@@ -98,7 +98,8 @@ def segment(
     labels : sequence of str, optional
         The labels; the shipped vocabulary if not given. A segment that none of them fits has an empty one.
     """
-    return segment_motion(_encoder(bundle), _source(ref, fps).motion, labels)
+    source = _source(ref, fps)
+    return segment_motion(_encoder(bundle), source.motion, labels, start=source.start)
 
 
 def _encoder(bundle: Encoder | None) -> Encoder:

@@ -24,7 +24,7 @@ from encoders.skeleton import JOINTS
 from indexer.ingest.worker import READY
 from indexer.read_motion import Reading, ReadMotion
 
-READ = "indexer.ingest.worker:read_all_parts"
+READ = "indexer.ingest.load:read_motions"
 
 #: Seconds a file may take, and those added for each MB.
 PATIENCE, PATIENCE_A_MB = 60.0, 2.0

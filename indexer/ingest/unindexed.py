@@ -10,7 +10,7 @@ from typing import Any
 from indexer.argument_checks import checked_rate
 from indexer.formats import table
 from indexer.formats.reading import split_name
-from indexer.ingest import worker
+from indexer.ingest.load import read_motion
 from indexer.ingest.scan import list_folder
 from indexer.read_motion import ReadMotion
 from indexer.store.captions import stated_rate
@@ -43,12 +43,12 @@ def read_unindexed(library: StoredLibrary, path: Path, *, fps: float | None = No
     file, _ = split_name(path)
     known = known_options(library, file)
     options = known or ReadOptions()
-    read = worker.read(str(path), fps or options.fps, dict(options.joint_map) or None, options.up)
+    read = read_motion(str(path), fps or options.fps, dict(options.joint_map) or None, options.up)
     row = table.READABLE.get(file.suffix.lower())
     if known is None and fps is None and row is not None and not row.states_fps:
         rate = _rate_of_rig(library, read.rig, row.ending.lstrip("."))
         if rate is not None:
-            read = worker.read(str(path), rate)
+            read = read_motion(str(path), rate)
     return read
 
 

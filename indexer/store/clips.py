@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from indexer.part_names import with_part
+from indexer.read_motion import Reading
 from indexer.store.files import ARRAY
 
 #: The clips that can be found; conditions may use the columns of `clips` and `files`.
@@ -79,6 +80,13 @@ class Clip:
         """The source file; None for a clip that was added as an array."""
         return None if self.format == ARRAY else self.root / self.path.removesuffix(with_part("", self.part))
 
+    @property
+    def reading(self) -> Reading:
+        """How it was read."""
+        return Reading(
+            self.take, self.up, self.up_reason, self.start, self.source_fps, self.source_frames, self.warnings
+        )
+
     def document(self, captions: Sequence[Caption] = ()) -> dict[str, Any]:
         """The clip as plain data with stable keys and rounded numbers; it contains no absolute path."""
         return {
@@ -92,19 +100,14 @@ class Clip:
             "format": self.format,
             "rig": self.rig,
             "added": self.added,
-            "up": self.up or None,
-            "up_reason": self.up_reason or None,
-            "start": round(self.start, 3),
-            "source_fps": round(self.source_fps, 4) or None,
-            "source_frames": self.source_frames or None,
-            "warnings": list(self.warnings),
+            **self.reading.document(),
             "captions": [caption.document() for caption in captions],
         }
 
 
 @dataclass(frozen=True)
 class Caption:
-    """A description of a clip, or of its span from `start` to `end` in seconds."""
+    """A description of a clip, or of its span from `start` to `end` in seconds of its file."""
 
     text: str
     start: float | None = None

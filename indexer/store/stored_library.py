@@ -33,6 +33,7 @@ from encoders.motion import FPS, Motion
 from encoders.protocol import Encoder
 from indexer.argument_checks import checked_clip_id, checked_encoder
 from indexer.part_names import is_meant, splits
+from indexer.read_motion import extent
 from indexer.store import captions, poses, schema
 from indexer.store.clips import LIVE, Caption, Clip, root_names, select
 from indexer.store.files import ARRAYS_ROOT
@@ -398,7 +399,7 @@ class StoredLibrary:
 
     @one_snapshot
     def motion(self, id: int, start: float | None = None, end: float | None = None) -> Motion:
-        """The clip's motion, or a span of it in seconds, out of the stored poses.
+        """The clip's motion, or a span of it in seconds of its file, out of the stored poses.
 
         Raises
         ------
@@ -411,12 +412,12 @@ class StoredLibrary:
         """
         clip = self.clip(id)
         start, end = optional_number("start", start), optional_number("end", end)
-        end = clip.duration if end is None else min(end, clip.duration)
-        start = max(start or 0.0, 0.0)
+        start = max((start or 0.0) - clip.start, 0.0)
+        end = clip.duration if end is None else min(end - clip.start, clip.duration)
         if start >= end:
             raise QueryError(
-                f"{clip.path}: span {start:g} to {end:g} s lies outside its {clip.duration:g} s; "
-                "give a start and end inside it, in seconds"
+                f"{clip.path}: span {start + clip.start:g} to {end + clip.start:g} s lies outside its "
+                f"{extent(clip.start, clip.duration)}; give a start and end inside it, in seconds"
             )
         first = min(round(start * FPS), clip.frames - 1)
         last = max(round(end * FPS), first + 1)
@@ -489,7 +490,9 @@ class StoredLibrary:
     def nearest_windows(
         self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None
     ) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
-        """The windows nearest to each query (Q, D): scores, clip ids, starts and ends in seconds, each (Q, k).
+        """The windows nearest to each query (Q, D): scores, clip ids, starts and ends, each (Q, k).
+
+        Starts and ends are seconds of the motion; those of its file are `Clip.start` later.
 
         `allowed` are the sorted clip ids to choose from, None for all. Where there are fewer than k the id is -1.
         """

@@ -72,8 +72,8 @@ def plot_moments(
     figure = _figure(11, 4.6)
     above, ax = figure.subplots(2, 1, height_ratios=(1, 2.2))
     at = np.linspace(0, source.duration, 15)[1:-1]
-    _poses(above, source.motion, at, at, scale=source.duration / 16)
-    above.set_xlim(0, source.duration)
+    _poses(above, source.motion, at, source.start + at, scale=source.duration / 16)
+    above.set_xlim(source.start, source.end)
     above.set_title(f"{source.path}   ({source.duration:.1f} s)", fontsize=9, color=_PALE, loc="left")
     low, high = float(similarity.min()), float(similarity.max())
     room = max(high - low, 0.05)
@@ -87,7 +87,7 @@ def plot_moments(
         if caption.start is not None and caption.end is not None:
             ax.plot([caption.start, caption.end], [low - 0.1 * room] * 2, color=_TRUE, lw=5, solid_capstyle="butt")
             ax.text(caption.start, low - 0.2 * room, caption.text, fontsize=7, color=_TRUE, clip_on=True)
-    ax.set_xlim(0, source.duration)
+    ax.set_xlim(source.start, source.end)
     ax.set_xlabel("seconds", fontsize=9, color=_INK)
     ax.set_ylabel("similarity", fontsize=9, color=_INK)
     ax.tick_params(labelsize=8, colors=_INK)

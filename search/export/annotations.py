@@ -21,7 +21,7 @@ def as_document(segments: Sequence[Segment], path: str) -> dict[str, object]:
         {"start": round(s.start, 3), "end": round(s.end, 3), "label": s.label, "score": round(s.score, 4)}
         for s in segments
     ]
-    return {"path": path, "duration": rows[-1]["end"], "segments": rows}
+    return {"path": path, "duration": round(segments[-1].end - segments[0].start, 3), "segments": rows}
 
 
 def as_json(segments: Sequence[Segment], path: str) -> str:

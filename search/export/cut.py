@@ -99,7 +99,8 @@ def write_cut(
         raise QueryError(f"{out}: only a .bvh is written on the rig of another file")
     if writer is _write_bvh and rig is None and not stale and source.file is not None:
         path = Path(with_part(str(source.file), source.part))
-        frames = _in_source_rig(source, path, out, max(start or 0.0, 0.0), motion.duration, options)
+        span = max(start or 0.0, source.start), source.end if end is None else min(end, source.end)
+        frames = _in_source_rig(source, path, out, span, options)
         if frames is not None:
             return frames
     with replacing(out) as file:
@@ -107,11 +108,11 @@ def write_cut(
 
 
 def _in_source_rig(
-    source: MotionSource, path: Path, out: Path, start: float, seconds: float, options: WriteOptions
+    source: MotionSource, path: Path, out: Path, span: tuple[float, float], options: WriteOptions
 ) -> tuple[int, float] | None:
     """Write a cut of a file in the file's own rig; None where it has none."""
-    rig = SourceRig.of(path, source.duration)
-    first, count = rig.span(start, seconds)
+    rig = SourceRig.of(path, source.reading, source.duration)
+    first, count = rig.span(*span, source.duration)
     file, _ = split_name(path)
     if options == WriteOptions() and rig.is_only and not rig.take.warnings and is_of_format(file, ".bvh"):
         text = cut_lines(read_bytes(file), len(rig.take.positions), first, count, rig.fps)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from encoders.errors import UnknownRig
 from encoders.geometry import rotation_between
 from indexer.ingest.file_parts import read_part
+from indexer.read_motion import Reading
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import RigMap, map_rig
 from indexer.rigs.own_rig import as_own_rig
@@ -28,7 +29,7 @@ _AXES: Array = np.vstack([np.eye(3), -np.eye(3)])
 
 @dataclass(frozen=True)
 class SourceRig:
-    """A file's take with where its movement begins and its true frame rate.
+    """A file's take with its body and how it was read.
 
     Attributes
     ----------
@@ -36,23 +37,25 @@ class SourceRig:
         As read.
     rig : RigMap or None
         The body in it; None where a joint map is needed to find it.
-    skipped : int
-        Frames before the movement: times count from there.
-    fps : float
-        Frames a second, as the motion was read with.
+    reading : Reading
+        How it was read.
+    origin : float
+        The second of the file at which times begin: 0, or where the movement does in libraries of before.
     is_only : bool
         Whether the file holds no other motion.
     """
 
     take: Take
     rig: RigMap | None
-    skipped: int
-    fps: float
-    is_only: bool = True
+    reading: Reading
+    origin: float
+    is_only: bool
 
     @classmethod
-    def of(cls, path: Path, duration: float) -> SourceRig:
-        """The rig of a file, or of the part of it that `file#part` names, whose motion lasts `duration` seconds.
+    def of(cls, path: Path, reading: Reading, duration: float) -> SourceRig:
+        """The rig of a file, or of the part of it that `file#part` names, as it was read.
+
+        Where that is not known, the `duration` of its motion tells the frame rate.
 
         Raises
         ------
@@ -60,21 +63,30 @@ class SourceRig:
             If it cannot be read.
         """
         file, take, is_only = read_part(path)
-        fps = take.fps or 20.0
-        rig, skipped = None, 0
+        rig = None
         with suppress(UnknownRig):
             rig = map_rig(take, file)
-            own = as_own_rig(take)
-            skipped = frames_before_movement(own, rig if own is take else map_rig(own, file), fps)
+        if reading.source_fps:
+            return cls(take, rig, reading, 0.0, is_only)
+        fps = take.fps or 20.0
+        own = as_own_rig(take)
+        skipped = 0 if rig is None else frames_before_movement(own, rig if own is take else map_rig(own, file), fps)
         frames = len(take.positions) - skipped
         if abs(frames / fps - duration) > max(0.2, 2 / fps):  # it was read at another rate than the file states
             fps = frames / duration
-        return cls(take, rig, skipped, fps, is_only)
+        guessed = Reading(start=skipped / fps, source_fps=fps, source_frames=len(take.positions))
+        return cls(take, rig, guessed, guessed.start, is_only)
 
-    def span(self, start: float, seconds: float) -> tuple[int, int]:
-        """The first frame of a span of the motion, and how many."""
-        first = min(self.skipped + round(start * self.fps), len(self.take.positions) - 1)
-        return first, min(max(round(seconds * self.fps), 1), len(self.take.positions) - first)
+    @property
+    def fps(self) -> float:
+        """Frames a second, as the motion was read with."""
+        return self.reading.source_fps
+
+    def span(self, start: float, end: float, duration: float) -> tuple[int, int]:
+        """The first frame of a span in seconds, and how many it has; `duration` is that of the motion."""
+        found = self.reading.frames(self.origin + start, self.origin + end, duration)
+        first, last = (min(frame, len(self.take.positions) - 1) for frame in found or (0, 0))
+        return first, last - first + 1
 
     def motion(self, first: int, count: int) -> RigMotion | None:
         """The skeleton of the body in `count` frames from frame `first` on; None where the file holds no rotations.

@@ -114,11 +114,12 @@ class QueriedMotion:
         Returns
         -------
         times : float64 array (T,)
-            Seconds.
+            Seconds of the motion's file.
         similarity : float32 array (Q, T)
         """
         if self.is_long:
             times = np.arange(0, self.source.duration, LENGTHS[0] / WINDOWS_A_LENGTH, dtype=np.float64)
-            return times, similarity_at(self.windows[0], times)
+            return self.source.start + times, similarity_at(self.windows[0], times)
         similarity = self.frame_curve(self.source.features(self.encoder))
-        return (np.arange(similarity.shape[1], dtype=np.float64) + 0.5) / self.fps, similarity
+        times = (np.arange(similarity.shape[1], dtype=np.float64) + 0.5) / self.fps
+        return self.source.start + times, similarity

@@ -36,7 +36,9 @@ class Segment:
     score: float
 
 
-def segment_motion(encoder: Encoder, motion: Motion, labels: Sequence[str] | None = None) -> list[Segment]:
+def segment_motion(
+    encoder: Encoder, motion: Motion, labels: Sequence[str] | None = None, *, start: float = 0.0
+) -> list[Segment]:
     """Divide a motion among labels so that the segments cover it all, in order, without overlap.
 
     The similarity of each label over time, less what unrelated motion scores for it, goes through Viterbi's algorithm
@@ -46,6 +48,8 @@ def segment_motion(encoder: Encoder, motion: Motion, labels: Sequence[str] | Non
     ----------
     labels : sequence of str, optional
         The shipped vocabulary if not given.
+    start : float
+        The time of the motion's first frame, in seconds.
 
     Raises
     ------
@@ -63,8 +67,8 @@ def segment_motion(encoder: Encoder, motion: Motion, labels: Sequence[str] | Non
     ends = np.append(starts[1:], len(path))
     return [
         Segment(
-            float(a / encoder.fps),
-            float(b / encoder.fps) if b < len(path) else motion.duration,
+            start + float(a / encoder.fps),
+            start + (float(b / encoder.fps) if b < len(path) else motion.duration),
             labels[path[a] - 1] if path[a] else UNKNOWN,
             float(similarity[path[a] - 1, a:b].mean()) if path[a] else 0.0,
         )

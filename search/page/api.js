@@ -6,10 +6,11 @@ import { Motion } from "./motion.js";
 
 /**
  * @typedef {{rank: number, path: string, score: number, strength: string, start: number, end: number,
- *   duration: number, caption: string, clip: number | string, root: string | null}} Hit
+ *   duration: number, caption: string, clip: number | string, root: string | null,
+ *   source_fps: number | null, first_frame: number | null, last_frame: number | null}} Hit
  * @typedef {{text: string, start: number | null, end: number | null}} Caption
  * @typedef {{clip: number | string, root: string | null, path: string, name: string, duration: number, fps: number, frames: number,
- *   format: string, rig: string, added: string, captions?: Caption[]}} MotionInfo
+ *   format: string, rig: string, added: string, start: number, source_fps: number | null, source_frames: number | null, captions?: Caption[]}} MotionInfo
  * @typedef {{generation: number, clips: number[], x: number[], y: number[], labels: string[], label: number[]}} MapData
  */
 

@@ -73,7 +73,7 @@ export class Grid {
   /** @param {import("./api.js").Hit} hit @param {HTMLElement} figure */
   #card(hit, figure) {
     const title = hit.caption || hit.path.split("/").pop()?.replace(/\.[^.]*$/, "") || "";
-    const whole = hit.start <= 0.05 && hit.end >= hit.duration - 0.05;
+    const whole = hit.end - hit.start >= hit.duration - 0.05;
     const span = whole ? "whole clip" : `${hit.start.toFixed(1)}–${hit.end.toFixed(1)} s`;
     const open = link({ clip: String(hit.clip), a: whole ? "" : hit.start.toFixed(2), b: whole ? "" : hit.end.toFixed(2), ask: [] });
     return el(
@@ -88,7 +88,7 @@ export class Grid {
           : el("p", { class: "rating" }, strengthMark(hit.strength), el("span", { class: "score", title: "cosine similarity" }, hit.score.toFixed(2))),
         el("p", { class: "title" }, title),
         el("p", { class: "file", title: hit.path }, hit.path),
-        el("p", { class: "facts" }, `${clock(hit.duration)} · ${span}`),
+        el("p", { class: "facts", title: frames(hit) }, `${clock(hit.duration)} · ${span}`),
       ),
     );
   }
@@ -122,3 +122,6 @@ export class Grid {
     else if (at + step < 0) byId("q").focus();
   }
 }
+
+/** The frames of the file that a hit covers, as text. @param {import("./api.js").Hit} hit */
+const frames = (hit) => (hit.source_fps ? `frames ${hit.first_frame}–${hit.last_frame} of the file, at ${+hit.source_fps.toFixed(2)} fps` : "");

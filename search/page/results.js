@@ -130,4 +130,4 @@ function counted(hits, thing, q) {
 }
 
 /** A whole clip as a hit without a score. @param {import("./api.js").MotionInfo} info */
-const whole = (info) => /** @type {any} */ ({ clip: info.clip, path: info.path, start: 0, end: info.duration, duration: info.duration, strength: "", caption: info.captions?.[0]?.text ?? "" });
+const whole = (info) => /** @type {any} */ ({ clip: info.clip, path: info.path, start: info.start, end: info.start + info.duration, duration: info.duration, strength: "", caption: info.captions?.[0]?.text ?? "" });

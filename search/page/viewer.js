@@ -9,6 +9,7 @@ import { Timeline } from "./timeline.js";
 
 const LONG = 900; // seconds; longer takes are fetched at half the frame rate
 const COLOURS = 6;
+const ROUNDED = 0.002; // seconds that a time may be off, being sent with three digits
 const [MIN_MOMENTS, MAX_MOMENTS] = [8, 200]; // of a track, one more a minute of the take
 
 export class Viewer {
@@ -31,7 +32,7 @@ export class Viewer {
     byId("speed").addEventListener("change", () => this.view && (this.view.speed = Number(byId("speed").value)));
     byId("loop").addEventListener("change", () => this.view && (this.view.loop = byId("loop").checked));
     byId("trail").addEventListener("change", () => this.#showTrail());
-    byId("whole").addEventListener("click", () => this.cut(0, this.info?.duration ?? 0, true));
+    byId("whole").addEventListener("click", () => this.cut(this.begin, this.end, true));
     byId("zoom-in").addEventListener("click", () => this.timeline.zoomBy(2));
     byId("zoom-out").addEventListener("click", () => this.timeline.zoomBy(1 / 2));
     byId("export-format").addEventListener("change", () => this.#showCut());
@@ -63,6 +64,20 @@ export class Viewer {
     this.#showTime();
   }
 
+  /** Where the motion begins, in seconds of its file; a pose before it is left out. */
+  get begin() {
+    return this.info?.start ?? 0;
+  }
+
+  get end() {
+    return this.begin + (this.info?.duration ?? 0);
+  }
+
+  /** @param {number} from @param {number} to */
+  #isWhole(from, to) {
+    return from <= this.begin + ROUNDED && to >= this.end - ROUNDED;
+  }
+
   /** @param {number} time */
   seek(time) {
     if (!this.view?.motion) return;
@@ -84,8 +99,8 @@ export class Viewer {
   markHere(end) {
     if (!this.info || !this.view) return;
     const { time } = this.view;
-    if (end === "in") this.cut(time, Math.max(this.timeline.to, Math.min(time + 0.1, this.info.duration)), true);
-    else this.cut(Math.min(this.timeline.from, Math.max(time - 0.1, 0)), time, true);
+    if (end === "in") this.cut(time, Math.max(this.timeline.to, Math.min(time + 0.1, this.end)), true);
+    else this.cut(Math.min(this.timeline.from, Math.max(time - 0.1, this.begin)), time, true);
   }
 
   /** Set the in and out points. @param {number} from @param {number} to @param {boolean} done whether to update the URL fragment */
@@ -93,7 +108,7 @@ export class Viewer {
     if (!this.info) return;
     this.timeline.mark(from, to);
     if (this.view) [this.view.from, this.view.to] = [from, Math.min(to, this.view.motion?.end ?? to)];
-    const whole = from <= 0 && to >= this.info.duration;
+    const whole = this.#isWhole(from, to);
     if (done) note({ a: whole ? "" : from.toFixed(2), b: whole ? "" : to.toFixed(2) });
     if (done && this.view && (this.view.time < from || this.view.time > to)) this.view.seek(from);
     this.#showCut();
@@ -115,8 +130,8 @@ export class Viewer {
       if (state.clip !== this.clip) return;
       this.info = info;
       this.#showInfo(info);
-      const [from, to] = [Number(state.a) || 0, Math.min(Number(state.b) || info.duration, info.duration)];
-      this.timeline.open(info.duration, 0, info.duration);
+      const [from, to] = [Math.max(Number(state.a) || 0, this.begin), Math.min(Number(state.b) || this.end, this.end)];
+      this.timeline.open(this.end, this.begin, this.end);
       byId("zoom").hidden = this.timeline.most <= 1;
       if (this.view) {
         this.view.show(motion);
@@ -140,10 +155,10 @@ export class Viewer {
     document.title = `${info.name} – motionseek`;
     byId("viewer-title").textContent = info.name;
     byId("viewer-file").textContent = info.root ? `#${info.clip} · ${info.root} · ${info.path}` : info.path;
-    const facts = { Duration: clock(info.duration), Frames: `${info.frames} at ${+info.fps.toFixed(2)} fps`, Format: info.format, Rig: info.rig };
+    const facts = { Duration: clock(info.duration), Frames: info.source_fps ? `${info.source_frames} at ${+info.source_fps.toFixed(2)} fps` : `${info.frames} at ${+info.fps.toFixed(2)} fps`, Format: info.format, Rig: info.rig };
     byId("viewer-facts").replaceChildren(...Object.entries(facts).flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]));
     const captions = (info.captions ?? []).slice(0, 6).map(({ text, start, end }) =>
-      el("blockquote", {}, text, start === null ? null : el("small", {}, ` ${start.toFixed(1)}–${(end ?? info.duration).toFixed(1)} s`)));
+      el("blockquote", {}, text, start === null ? null : el("small", {}, ` ${start.toFixed(1)}–${(end ?? this.end).toFixed(1)} s`)));
     byId("viewer-captions").replaceChildren(...captions); // prettier-ignore
   }
 
@@ -205,7 +220,7 @@ export class Viewer {
   #showTime() {
     if (!this.view || !this.info) return;
     this.timeline.seek(this.view.time);
-    byId("time").textContent = `${this.view.time.toFixed(2)} / ${this.info.duration.toFixed(2)} s`;
+    byId("time").textContent = `${this.view.time.toFixed(2)} / ${this.end.toFixed(2)} s`;
     byId("play").textContent = this.view.playing ? "❚❚" : "▶";
     byId("play").setAttribute("aria-label", this.view.playing ? "Pause" : "Play");
   }
@@ -213,7 +228,7 @@ export class Viewer {
   #showCut() {
     if (!this.info) return;
     const { from, to } = this.timeline;
-    const whole = from <= 0 && to >= this.info.duration;
+    const whole = this.#isWhole(from, to);
     const [start, end] = whole ? [undefined, undefined] : [from.toFixed(3), to.toFixed(3)];
     byId("cut").textContent = whole ? "the whole take" : `cut ${from.toFixed(2)}–${to.toFixed(2)} s`;
     byId("whole").disabled = whole;

@@ -28,6 +28,9 @@ class HitModel(BaseModel):
     caption: str
     clip: ClipKey
     root: str | None
+    source_fps: float | None
+    first_frame: int | None
+    last_frame: int | None
     steps: list[StepModel] | None = None
 
 
@@ -50,6 +53,7 @@ class MomentsResponse(SearchResponse):
 class CurveResponse(CurveModel):
     clip: ClipKey
     path: str
+    start: float
     duration: float
 
 
@@ -85,12 +89,12 @@ class MotionResponse(BaseModel):
     format: str
     rig: str
     added: str
-    up: str | None = None
-    up_reason: str | None = None
-    start: float = 0.0
-    source_fps: float | None = None
-    source_frames: int | None = None
-    warnings: list[str] = []
+    up: str | None
+    up_reason: str | None
+    start: float
+    source_fps: float | None
+    source_frames: int | None
+    warnings: list[str]
     captions: list[CaptionModel]
 
 

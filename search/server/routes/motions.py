@@ -101,10 +101,10 @@ def _cut(state: AppState, ref: str, start: float, end: float | None) -> tuple[Mo
     """A span of a motion and the time of its first frame; of a clip, only the stored chunks it touches are read."""
     found = state.clip(ref)
     if isinstance(found, Upload):
-        cut, frames = found.source.cut(start, end), len(found.source.motion)
+        cut, frames, origin = found.source.cut(start, end), len(found.source.motion), found.source.start
     else:
-        cut, frames = state.library.motion(found.id, start, end), found.frames
-    return cut, min(round(start * cut.fps), frames - 1) / cut.fps
+        cut, frames, origin = state.library.motion(found.id, start, end), found.frames, found.start
+    return cut, origin + min(round(max(start - origin, 0.0) * cut.fps), frames - 1) / cut.fps
 
 
 def _write(source: MotionSource, out: Path, start: float | None, end: float | None) -> str:
@@ -126,6 +126,7 @@ def _upload_document(upload: Upload) -> dict[str, Any]:
         "format": upload.format,
         "rig": upload.rig,
         "added": "",
+        **upload.source.reading.document(),
         "captions": [],
     }
 

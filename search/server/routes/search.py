@@ -94,7 +94,8 @@ def routes(state: AppState) -> APIRouter:
 
         def make() -> bytes:
             source = state.source(clip)
-            named = {"clip": _ref(source, clip), "path": source.path, "duration": round(source.duration, 3)}
+            named = {"clip": _ref(source, clip), "path": source.path, "start": round(source.start, 3)}
+            named["duration"] = round(source.duration, 3)
             motion = QueriedMotion(library.bundle, source, library.encode(question))
             return to_json(named | curve_document(question.sentences, motion.curve()))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from indexer.ingest import worker
+from indexer.ingest import load
 from indexer.read_motion import ReadMotion
 
 READ = "search.server.uploads.sandboxed_reader:read"
@@ -18,7 +18,7 @@ MAX_FRAMES = 2 * 60 * 60 * 20
 def read(
     path: str, fps: float | None = None, joint_map: dict[str, str] | None = None, up: str | None = None
 ) -> list[ReadMotion]:
-    """`indexer.ingest.worker.read_all_parts` under resource limits.
+    """`indexer.ingest.load.read_motions` under resource limits.
 
     Raises
     ------
@@ -26,7 +26,7 @@ def read(
         If the motions are too long or a limit is reached.
     """
     limit_resources()
-    clips = worker.read_all_parts(path, fps, joint_map, up)
+    clips = load.read_motions(path, fps, joint_map, up)
     if sum(len(clip.motion) for clip in clips) > MAX_FRAMES:
         raise MemoryError
     return clips

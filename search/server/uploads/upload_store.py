@@ -6,7 +6,7 @@ import secrets
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import IO
 
@@ -125,7 +125,7 @@ class UploadStore:
         if not read.clips:
             raise HTTPException(422, f"{name}: {read.reason.replace(str(path), name)}")
         clip = read.clips[0]
-        source = MotionSource.of_motion(clip.motion, name)
+        source = replace(MotionSource.of_motion(clip.motion, name), reading=clip.reading)
         upload = Upload(f"u{secrets.token_hex(16)}", source, path.suffix.removeprefix("."), clip.rig)
         self._uploads.put(upload.key, upload)
         return upload

@@ -10,8 +10,8 @@ import pytest
 
 from encoders.errors import UnknownClip, UnreadableMotion
 from indexer.formats import bvh as reader
-from indexer.ingest import file_parts, indexing, worker
-from indexer.ingest.load import load_motion
+from indexer.ingest import file_parts, indexing
+from indexer.ingest.load import load_motion, read_motions
 from indexer.ingest.pool import Read
 from indexer.store import schema
 from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
@@ -42,7 +42,7 @@ def reading(monkeypatch):
     def read_all(requests, jobs):
         for request in requests:
             try:
-                yield request.key, Read(tuple(worker.read_all_parts(request.path, request.fps)))
+                yield request.key, Read(tuple(read_motions(request.path, request.fps)))
             except UnreadableMotion as error:
                 yield request.key, Read(reason=error.reason)
 

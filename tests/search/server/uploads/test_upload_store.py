@@ -202,7 +202,7 @@ def test_nothing_is_left_on_disk(served, dance, tmp_path, monkeypatch):
 
 
 def test_the_longest_upload_is_two_hours(monkeypatch):
-    monkeypatch.setattr("indexer.ingest.worker.read_all_parts", lambda *_: [ReadMotion(made_motion(3.0, 5))])
+    monkeypatch.setattr("indexer.ingest.load.read_motions", lambda *_: [ReadMotion(made_motion(3.0, 5))])
     monkeypatch.setattr(sandboxed_reader, "limit_resources", lambda: None)
     assert len(sandboxed_reader.read("x.bvh")[0].motion) == 60
     monkeypatch.setattr(sandboxed_reader, "MAX_FRAMES", 59)
