@@ -15,16 +15,16 @@ from indexer.take import Take
 
 #: Joints that a body needs.
 _FEWEST = len(ESSENTIAL) + 1
-#: As shares of a body's size: two bodies nearer than this are one, and one that moves less is a statue.
-_SAME, _STILL = 0.02, 1e-3
+#: Two bodies are one if they are nearer than this, as a share of a body's size.
+_SAME = 0.02
 
 
 def figures(take: Take) -> list[Take]:
     """The people in a take, one take each; the take itself where it has one skeleton, or one that is a body.
 
     The skeletons are several roots, or hang side by side below one. The second figure is named "2", or "NAME#2" where
-    the take has a name. A skeleton that is no body is left out, and so is one that is always where another is (a
-    control rig) or, among others that move, never moves.
+    the take has a name. A skeleton that is no body is left out, and so is one that is always where another is, such as
+    a control rig.
     """
     trees = _skeletons(take)
     if len(trees) < 2 or not _is_within(take, trees):
@@ -84,14 +84,12 @@ def _is_within(take: Take, trees: Sequence[Sequence[int]]) -> bool:
 
 
 def _distinct(bodies: Sequence[tuple[Take, RigMap]]) -> list[Take]:
-    """The bodies without those that double another, or stand still while another moves."""
+    """The bodies without those that double another."""
     tracks = [take.positions[:, [rig.joints[name] for name in ESSENTIAL]] for take, rig in bodies]
     size = max(float(np.ptp(tracks[0][0], axis=0).max()), 1e-9)
-    moving = [float(np.ptp(track, axis=0).max()) > _STILL * size for track in tracks]
     kept: list[int] = []
     for index, track in enumerate(tracks):
-        is_double = any(_distance(track, tracks[other]) < _SAME * size for other in kept)
-        if not is_double and (moving[index] or not any(moving)):
+        if all(_distance(track, tracks[other]) >= _SAME * size for other in kept):
             kept.append(index)
     return [bodies[index][0] for index in kept]
 

@@ -87,8 +87,9 @@ def test_a_second_skeleton_on_the_same_body_is_no_second_person():
     assert only.names == first.names
 
 
-def test_a_skeleton_that_never_moves_beside_one_that_does_is_left_out():
+def test_someone_who_stands_still_is_a_person_too():
     first, second = read(FIRST), read(SECOND)
-    statue = replace(second, positions=np.repeat(second.positions[:1], 30, axis=0))
-    (only,) = figures(below_one_root(statue, first))
-    np.testing.assert_array_equal(only.positions, first.positions)
+    still = replace(second, positions=np.repeat(second.rest[None], 30, axis=0))
+    found = figures(below_one_root(still, first))
+    assert [take.name for take in found] == ["Dance", "Dance#2"]
+    np.testing.assert_array_equal(found[1].positions, first.positions)
