@@ -77,13 +77,18 @@ def update(
 
 
 def unmatched(db: sqlite3.Connection, root: Path, changes: SideFileChanges) -> list[str]:
-    """A warning for each side file just read that names motions which the library does not have."""
+    """A warning for each side file just read that names motions which the library does not have, or several as one."""
     warnings = []
     for file_id in changes.read:
         path, count, example = captions.without_clip(db, file_id)
         if count:
             rows = f"{count} captions are" if count > 1 else "a caption is"
             warnings.append(f"{root / path}: {rows} of motions that are not indexed, such as {example!r}")
+        several = captions.of_several_clips(db, file_id)
+        if several:
+            file, clip = several[0]
+            more = f", and {len(several) - 1} more files" if len(several) > 1 else ""
+            warnings.append(f"{root / path}: {file!r} has several clips; its captions went to {clip!r}{more}")
     return warnings
 
 

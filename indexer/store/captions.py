@@ -164,6 +164,19 @@ def without_clip(db: sqlite3.Connection, side_file_id: int) -> tuple[str, int, s
     return path, count, example
 
 
+def of_several_clips(db: sqlite3.Connection, side_file_id: int) -> list[tuple[str, str]]:
+    """The paths of files that a side file captions as such and that have several clips, none of which is called so.
+
+    Each with the path of the clip that has the captions.
+    """
+    return db.execute(
+        "SELECT DISTINCT captions.path, clips.clip_path FROM captions JOIN clips ON clips.id = captions.clip_id "
+        "JOIN files ON files.id = clips.file_id WHERE side_file_id = ? AND text_id IS NOT NULL "
+        "AND clips.part != '' AND captions.path = files.path ORDER BY 1",
+        (side_file_id,),
+    ).fetchall()
+
+
 def texts_without_vectors(db: sqlite3.Connection, model_id: int) -> list[tuple[int, str]]:
     """Ids and texts of the captions that have no vector under a model."""
     return db.execute(

@@ -147,3 +147,30 @@ def test_an_export_cuts_exactly_the_frames_that_a_hit_names(library, folder, lea
 def test_a_whole_export_leaves_out_the_lead_alone(library, folder, lead, tmp_path):
     out = read_take(library.export(name(lead), tmp_path / "whole.bvh")).positions
     np.testing.assert_allclose(out, read_take(folder / "plain.bvh").positions, atol=1e-4)
+
+
+def test_the_server_answers_in_the_files_time_of_clips_and_of_uploads(folder, lead):
+    pytest.importorskip("fastapi")
+    from starlette.testclient import TestClient
+
+    from search.export import joints_binary
+    from search.server.app import create_app
+    from search.server.snapshot_library import SnapshotLibrary
+
+    with TestClient(create_app(SnapshotLibrary.open(folder)), base_url="http://127.0.0.1:8420") as client:
+        clip = {m["path"]: m["clip"] for m in client.get("/api/motions").json()["motions"]}[name(lead)]
+        upload = client.post("/api/describe", params={"name": "x.bvh"}, content=(folder / name(lead)).read_bytes())
+        for key in (clip, upload.json()["clip"]):
+            info = client.get(f"/api/motions/{key}").json()
+            assert (info["start"], info["source_fps"]) == (pytest.approx(lead, abs=1e-3), pytest.approx(RATE, abs=0.01))
+            whole, begin = joints_binary.unpack(client.get(f"/api/motions/{key}/joints").content)
+            assert begin == pytest.approx(lead)
+            span = {"start": 2 + lead, "end": 3 + lead}
+            part, begin = joints_binary.unpack(client.get(f"/api/motions/{key}/joints", params=span).content)
+            assert begin == pytest.approx(2 + lead)
+            np.testing.assert_allclose(part.joints, whole.joints[40:60], atol=1e-3)
+            answer = client.get("/api/moments", params={"clip": key, "q": SENTENCE}).json()
+            assert answer["curve"]["times"][0] == pytest.approx(lead + 0.05, abs=2e-3)
+            first = answer["hits"][0]
+            assert lead - 1e-3 <= first["start"] < first["end"] <= lead + info["duration"] + 1e-3
+            assert first["first_frame"] == round(first["start"] * RATE)

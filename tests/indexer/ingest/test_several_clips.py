@@ -180,7 +180,9 @@ def test_a_file_that_moves_takes_all_its_clips_along(root):
 def test_captions_name_a_part_or_else_the_first_clip_of_the_file(root):
     (root / "captions.csv").write_text("path,text\nhero.bvh#Run,runs\npair.bvh#2,follows\npair.bvh,leads\nhero.bvh,x\n")
     (root / "hero.txt").write_text("a hero\n")
-    index(root)
+    warnings = index(root).warnings
+    told = "'hero.bvh' has several clips; its captions went to 'hero.bvh#Walk'"
+    assert warnings == [f"{root / name}: {told}" for name in ("captions.csv", "hero.txt")]
 
     def captions():
         with StoredLibrary.open(root) as library:
