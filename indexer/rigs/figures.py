@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.errors import UnreadableMotion
-from indexer.rigs.mapping import ESSENTIAL, RigMap, map_rig
+from indexer.rigs.mapping import ESSENTIAL, RigMap, map_names, map_rig
 from indexer.rigs.topology import children
 from indexer.take import Take
 
@@ -29,7 +29,7 @@ def figures(take: Take) -> list[Take]:
     trees = _skeletons(take)
     if len(trees) < 2 or not _is_within(take, trees):
         return [take]
-    bodies = [(part, rig) for part in (_part(take, tree) for tree in trees) if (rig := _body(part)) is not None]
+    bodies = [(part, rig) for part in _alike([_part(take, tree) for tree in trees]) if (rig := _body(part)) is not None]
     if len(bodies) < 2:
         return [take]
     found = _distinct(bodies)
@@ -71,6 +71,16 @@ def _body(take: Take) -> RigMap | None:
         return map_rig(take, "")
     except UnreadableMotion:
         return None
+
+
+def _alike(parts: list[Take]) -> list[Take]:
+    """The skeletons whose joints are named as a body's; where none is, those with as many joints as the largest.
+
+    By its shape alone a hand beside a body is one as well: fingers are pairs of like chains.
+    """
+    named = [part for part in parts if set(ESSENTIAL) <= set(map_names(part))]
+    most = max(len(part.names) for part in parts)
+    return named or [part for part in parts if len(part.names) == most]
 
 
 def _is_within(take: Take, trees: Sequence[Sequence[int]]) -> bool:

@@ -9,6 +9,7 @@ import pytest
 
 from indexer.formats import bvh as reader
 from indexer.rigs.figures import figures
+from indexer.rigs.mapping import map_rig
 from indexer.rigs.retarget import retarget
 from indexer.take import Take
 from tests.indexer.performances import bvh, performance, together
@@ -80,10 +81,38 @@ def test_a_take_of_one_person_is_left_as_it_is(take):
     assert figures(take) == [take]
 
 
+def hand(frames: int) -> Take:
+    """A hand as a skeleton of its own: five fingers of four joints, of which two pairs and a middle one are like."""
+    spread, lengths = np.linspace(-0.04, 0.04, 5), (0.09, 0.09, 0.11, 0.07, 0.07)
+    names, parents, places = ["hand"], [-1], [np.zeros(3)]
+    for finger, (x, size) in enumerate(zip(spread, lengths, strict=True)):
+        for bone in range(4):
+            parents.append(0 if bone == 0 else len(names) - 1)
+            names.append(f"f{finger}_{bone}")
+            places.append(np.array([x, 0.08 + bone * size / 3, 0.0]))
+    rest = np.array(places)
+    return Take(tuple(names), np.array(parents), rest, rest + np.arange(frames)[:, None, None] * 0.1, 20.0)
+
+
+def test_hands_with_roots_of_their_own_are_no_people():
+    body, left, right = read(FIRST), hand(30), hand(30)
+    assert map_rig(left, "").missing == []  # by its shape a hand is a body
+    take = below_one_root(body, left, replace(right, positions=right.positions + 1))
+    assert figures(take) == [take]
+
+
+def test_people_without_names_are_told_apart_by_shape():
+    first, second = (
+        replace(read(text), names=tuple(f"j{n}" for n in range(200))[: len(read(text).names)])
+        for text in (FIRST, SECOND)
+    )
+    found = figures(below_one_root(first, second))
+    assert len(found) == 2
+
+
 def test_a_second_skeleton_on_the_same_body_is_no_second_person():
     first = read(FIRST)
-    control = replace(first, names=tuple(f"ctrl_{name}" for name in first.names))
-    (only,) = figures(below_one_root(first, control))
+    (only,) = figures(below_one_root(first, first))
     assert only.names == first.names
 
 
