@@ -21,7 +21,8 @@ from indexer.store.clips import Caption, Clip
 from indexer.store.stored_library import StoredLibrary, one_snapshot
 from search.drawing.film import write_picture
 from search.export.cut import RATES, writable, write_cut
-from search.hits import Hits
+from search.export.hit_files import export_hits
+from search.hits import Hit, Hits
 from search.moments.across_library import answers_in_candidates, best_moments
 from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
@@ -267,6 +268,23 @@ class Library(StoredLibrary):
         return place
 
     @one_snapshot
+    def export_hits(
+        self, hits: Sequence[Hit], folder: str | PathLike[str], format: str = "bvh", *, overwrite: bool = False
+    ) -> list[Path]:
+        """Write the span of each hit as a file into a folder, with a table, `hits.csv`; the paths of the files.
+
+        `credits.txt` holds what the folders of the sources say about credits and terms, where they do.
+
+        Parameters
+        ----------
+        format : str
+            "bvh", which keeps the rig of a source that has one, "glb", "npz" or "npy".
+        """
+        if not all(isinstance(hit, Hit) for hit in hits):
+            raise ArgumentError("hits must be hits, as search and moments give them")
+        place, flag = checked_path("folder", folder), checked_flag("overwrite", overwrite)
+        return export_hits(hits, place, format, library=self, overwrite=flag)
+
     def render(
         self,
         ref: Ref,

@@ -14,6 +14,7 @@ import click
 
 if TYPE_CHECKING:
     from encoders.protocol import Encoder
+    from search.hits import Hits
     from search.library import Library
     from search.source import MotionSource
 
@@ -35,6 +36,21 @@ library = click.option(
     "folder",
     type=click.Path(exists=True, file_okay=False),
     help="Library folder. [default: MOTIONSEEK_LIBRARY, or the nearest .motionseek here or in a parent folder]",
+)
+export = click.option(
+    "--export",
+    "export_folder",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Write all hits as files into DIR, with a table (hits.csv) and the sources' credits.",
+)
+export_as = click.option(
+    "--as",
+    "export_format",
+    type=click.Choice(["bvh", "glb", "npz", "npy"]),
+    default="bvh",
+    show_default=True,
+    help="Format of the files of --export; .bvh keeps the rig of a source that has one.",
 )
 start = click.option("--start", type=click.FloatRange(min=0), help="Start of the span in seconds.")
 fps = click.option(
@@ -140,6 +156,30 @@ def read_object(path: Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise click.ClickException(f'{path}: expected one JSON object, {{"name": value, ...}}')
     return content
+
+
+def refuse_export(folder: Path | None, force: bool) -> None:
+    """Raise where --export would overwrite an earlier one, before any work is done."""
+    if folder is not None and (folder / "hits.csv").exists() and not force:
+        raise click.ClickException(f"{folder / 'hits.csv'} exists; name another folder, or use --force to overwrite")
+
+
+def export_hits(
+    hits: Hits,
+    folder: Path | None,
+    format: str,
+    *,
+    library: Library | None = None,
+    fps: float | None = None,
+    force: bool = False,
+) -> None:
+    """Write all hits into the folder of --export, if one is given."""
+    if folder is None:
+        return
+    from search.export.hit_files import export_hits as write
+
+    files = write(hits, folder, format, library=library, fps=fps, overwrite=force)
+    click.echo(f"wrote {len(files)} {'file' if len(files) == 1 else 'files'} and hits.csv into {folder}", err=True)
 
 
 def refuse_overwriting(path: Path, force: bool) -> None:

@@ -23,6 +23,8 @@ from search.cli import options
     type=click.Path(dir_okay=False, path_type=Path),
     help="Plot similarity over time to a .png, .jpg, .svg or .pdf file.",
 )
+@options.export
+@options.export_as
 @options.force
 @options.hits
 @options.filters
@@ -36,6 +38,8 @@ def moments(
     meanwhile: tuple[str, ...],
     no_split: bool,
     plot: Path | None,
+    export_folder: Path | None,
+    export_format: str,
     force: bool,
     k: int,
     fps: float | None,
@@ -53,7 +57,7 @@ def moments(
     \b
     Examples:
       motionseek moments "sits down" long_take.bvh --plot sits.png
-      motionseek moments "a person jumps" -k 20
+      motionseek moments "a person jumps" -k 20 --export jumps
       motionseek moments "walks forward, then sits down, then waves" long_take.bvh
       motionseek moments "walks" --then "sits down"
       motionseek moments --then "walks" --then "sits down" long_take.bvh
@@ -66,6 +70,7 @@ def moments(
 
     sentence, ref = _sentence_and_clip(sentence, ref, folder, bool(steps) or len(meanwhile) > 1)
     question = Question.of(sentence, steps, meanwhile, split_steps=not no_split)
+    options.refuse_export(export_folder, force)
     if plot is not None:
         if ref is None:
             raise click.UsageError("--plot needs a CLIP")
@@ -77,6 +82,7 @@ def moments(
         with options.open_library(folder) as library:
             found = library.answer(question, None, k, **filters)
             terminal.moments(question, found, library, as_json=as_json, filters=filters)
+            options.export_hits(found, export_folder, export_format, library=library, force=force)
         return
 
     from search.moments.one_motion import moments_of
@@ -91,6 +97,7 @@ def moments(
             plot_moments(plot, question, source, found, *curve)
         width = shutil.get_terminal_size().columns
         terminal.moments(question, found, in_library, curve, as_json=as_json, width=width)
+        options.export_hits(found, export_folder, export_format, library=in_library, fps=fps, force=force)
     if plot is not None:
         terminal.note(f"wrote {plot}")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -13,9 +14,21 @@ from search.cli import options
 @click.argument("sentence")
 @options.hits
 @options.filters
+@options.export
+@options.export_as
+@options.force
 @options.library
 @options.as_json
-def search(sentence: str, k: int, folder: str | None, as_json: bool, **filters: Any) -> None:
+def search(
+    sentence: str,
+    k: int,
+    export_folder: Path | None,
+    export_format: str,
+    force: bool,
+    folder: str | None,
+    as_json: bool,
+    **filters: Any,
+) -> None:
     """Find the clips that match SENTENCE, each with its best span.
 
     \b
@@ -23,11 +36,14 @@ def search(sentence: str, k: int, folder: str | None, as_json: bool, **filters: 
       motionseek search "a person limps to the left"
       motionseek search "throws a ball" -k 3 --min-duration 5 --path 'baseball/*'
       motionseek search "sits down" --json | jq '.hits[].path'
+      motionseek search "a cartwheel" -k 20 --export cartwheels
     """
     from search.cli import terminal
 
+    options.refuse_export(export_folder, force)
     with options.open_library(folder) as library:
         found = library.search(sentence, k, **filters)
         terminal.hits(found, sentence, library, as_json=as_json)
         if not found:
             terminal.note(terminal.no_clips(library, filters))
+        options.export_hits(found, export_folder, export_format, library=library, force=force)
