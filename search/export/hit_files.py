@@ -20,7 +20,10 @@ from search.references import source_of, span_of
 
 TABLE, CREDITS = "hits.csv", "credits.txt"
 FORMATS = tuple(ending.lstrip(".") for ending in WRITERS)
-_COLUMNS = ("rank", "file", "root", "source", "start", "end", "score", "strength", "caption", "note")
+_COLUMNS = (
+    *("rank", "file", "root", "source", "start", "end", "source_fps", "first_frame", "last_frame"),
+    *("score", "strength", "caption", "note"),
+)
 
 #: Characters of a clip's name that are kept in the name of a file.
 _UNSAFE = re.compile(r"[^\w.-]+")
@@ -75,8 +78,9 @@ def export_hits(
         note, is_written = _write(hit, folder / name, library, fps)
         if is_written:
             written[name] = hit
-        span = (f"{hit.start:.3f}", f"{hit.end:.3f}", f"{hit.score:.4f}", hit.strength, hit.caption)
-        rows.append((hit.rank, name if name in written else "", hit.root, hit.path, *span, note))
+        span = (f"{hit.start:.3f}", f"{hit.end:.3f}", hit.source_fps, hit.first_frame, hit.last_frame)
+        answer = (f"{hit.score:.4f}", hit.strength, hit.caption, note)
+        rows.append((hit.rank, name if name in written else "", hit.root, hit.path, *span, *answer))
     write_text(folder / TABLE, _table(rows))
     credits = credits_text({name: source for name, hit in written.items() if (source := _place(hit, library))})
     if credits:
