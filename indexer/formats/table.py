@@ -16,9 +16,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from encoders.errors import UnreadableMotion
-from indexer.formats import amc, bvh, npy, npz
+from indexer.formats import amc, bvh
 from indexer.formats.fbx import fbx
 from indexer.formats.gltf import gltf_reader
+from indexer.formats.numpy_files import npy, npz
 from indexer.formats.refused import REFUSED
 from indexer.formats.usd import usd_reader
 from indexer.take import Take

@@ -20,7 +20,7 @@ from encoders.errors import ArgumentError, UnknownClip, UnreadableMotion
 from encoders.motion import FPS, Motion, joint_array
 from encoders.protocol import Encoder
 from indexer.argument_checks import checked_rate
-from indexer.formats.array_layouts import SMPL
+from indexer.formats.numpy_files.array_layouts import SMPL
 from indexer.ingest.caption_files import MAX_TEXT
 from indexer.ingest.encode import captions_without_vectors, encode, insert_caption_vectors, use_model
 from indexer.rigs.retarget import retarget

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from encoders.skeleton import INDEX, PARENTS
-from indexer.formats import smpl
+from indexer.formats.numpy_files import smpl
 
 #: KIT-ML's and SOMA's joints by those of SMPL, in their order; fingers and face lie in the wrist and the head.
 KIT = (

@@ -9,7 +9,7 @@ from encoders.errors import UnreadableMotion
 from encoders.features.humanml3d import joints_to_features
 from encoders.motion import Motion
 from encoders.skeleton import JOINTS
-from indexer.formats.array_layouts import KIT, takes_of
+from indexer.formats.numpy_files.array_layouts import KIT, takes_of
 from indexer.rigs.retarget import retarget
 from indexer.take import Take
 from tests.indexer.bodies import KIT as KIT_ORDER

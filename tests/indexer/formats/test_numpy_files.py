@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from encoders.errors import UnreadableMotion
 from encoders.skeleton import JOINTS
-from indexer.formats import npy, npz
+from indexer.formats.numpy_files import npy, npz, npz_archive
 from indexer.formats.reading import read_takes
 from tests.indexer.bodies import archived, body, parameters, saved
 
@@ -132,7 +132,7 @@ def test_the_axis_that_an_archive_states_is_up_for_certain() -> None:
 def test_archives_that_are_no_motion(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, data: bytes, message: str
 ) -> None:
-    monkeypatch.setattr(npz, "MAX_BYTES", 100_000)
+    monkeypatch.setattr(npz_archive, "MAX_BYTES", 100_000)
     (tmp_path / "a.npz").write_bytes(data)
     with pytest.raises(UnreadableMotion, match=message):
         read_takes(tmp_path / "a.npz")

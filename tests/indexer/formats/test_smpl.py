@@ -9,10 +9,10 @@ import pytest
 
 from encoders.errors import UnreadableMotion
 from encoders.skeleton import JOINTS
-from indexer.formats import npz, smpl
+from indexer.formats.numpy_files import npy, npz, smpl
 from indexer.ingest.load import load_motion
 from indexer.take import Take
-from tests.indexer.bodies import archived, joints_of, parameters
+from tests.indexer.bodies import archived, joints_of, parameters, saved
 
 ANGLES, WAY = parameters(up="z")
 JOINTS_OF = joints_of(ANGLES, WAY)
@@ -100,6 +100,58 @@ def test_an_archive_of_parameters_is_the_motion_that_its_joints_are(tmp_path: Pa
     np.save(tmp_path / "b.npy", JOINTS_OF[:, :, [0, 2, 1]] * (1, 1, -1))
     amass, joints = load_motion(tmp_path / "a.npz"), load_motion(tmp_path / "b.npy")
     np.testing.assert_allclose(amass.joints, joints.joints, atol=1e-4)
+
+
+def test_motion_x_is_one_array_of_322_numbers() -> None:
+    array = np.random.default_rng(0).normal(size=(len(ANGLES), 322))
+    array[:, :66], array[:, 309:312] = ANGLES, WAY
+    (take,) = npy.read("a.npy", saved(array))
+    np.testing.assert_allclose(take.positions, JOINTS_OF, atol=1e-9)
+    assert (take.fps, take.up) == (30, "y")
+
+
+@pytest.mark.parametrize("name", ["SMPLH_MALE.npz", "smplh/male/model.npz", "SMPLH_NEUTRAL.npz"])
+def test_a_licensed_body_model_gives_the_person_s_own_joints(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    rng = np.random.default_rng(0)
+    template, directions, regressor = rng.normal(size=(60, 3)), rng.normal(size=(60, 3, 10)), rng.random((52, 60))
+    (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+    np.savez(tmp_path / name, v_template=template, shapedirs=directions, J_regressor=regressor, f=np.zeros(3))
+    betas = rng.normal(size=16)  # AMASS states more than the model has
+    shaped = template + sum(directions[:, :, n] * betas[n] for n in range(10))
+    parameters = {"poses": padded(156), "trans": WAY, "fps": 30, "betas": betas, "gender": np.array("male")}
+    monkeypatch.setenv("MOTIONSEEK_BODY_MODELS", str(tmp_path))
+    own = joints_of(ANGLES, WAY, regressor[:22] @ shaped)
+    np.testing.assert_allclose(read(**parameters).positions, own, atol=1e-9)
+    np.testing.assert_allclose(read(**parameters | {"poses": padded(165)}).positions, JOINTS_OF, atol=1e-9)
+    monkeypatch.delenv("MOTIONSEEK_BODY_MODELS")
+    np.testing.assert_allclose(read(**parameters).positions, JOINTS_OF, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "arrays",
+    [
+        {"x": np.zeros(3)},
+        {"v_template": np.zeros((9, 3)), "shapedirs": np.zeros((9, 3, 10)), "J_regressor": np.zeros((24, 8))},
+        {"v_template": np.zeros((9, 3)), "shapedirs": np.zeros((9, 4, 10)), "J_regressor": np.zeros((24, 9))},
+    ],
+)
+def test_what_is_no_body_model_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arrays: dict[str, np.ndarray]
+) -> None:
+    np.savez(tmp_path / "SMPL_NEUTRAL.npz", **arrays)  # type: ignore[arg-type]
+    monkeypatch.setenv("MOTIONSEEK_BODY_MODELS", str(tmp_path))
+    with pytest.raises(UnreadableMotion, match=r"SMPL_NEUTRAL.npz: this is no body model"):
+        read(poses=padded(72), trans=WAY, betas=np.zeros(10))
+
+
+@pytest.mark.parametrize("betas", [np.zeros(()), np.zeros(0), np.zeros((5, 10)), np.zeros((0, 10)), np.zeros((2, 0))])
+def test_a_shape_of_any_shape_is_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, betas: np.ndarray) -> None:
+    model = {"v_template": np.ones((9, 3)), "shapedirs": np.ones((9, 3, 10)), "J_regressor": np.ones((24, 9))}
+    np.savez(tmp_path / "SMPL_NEUTRAL.npz", **model)  # type: ignore[arg-type]
+    monkeypatch.setenv("MOTIONSEEK_BODY_MODELS", str(tmp_path))
+    assert read(poses=padded(72), trans=WAY, betas=betas).positions.shape == JOINTS_OF.shape
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from encoders.errors import UnreadableMotion
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS, PARENTS
-from indexer.formats.array_layouts import SMPL
+from indexer.formats.numpy_files.array_layouts import SMPL
 from indexer.ingest.load import load_motion
 from indexer.rigs.retarget import retarget
 from indexer.take import Take

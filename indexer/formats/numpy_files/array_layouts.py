@@ -23,7 +23,8 @@ Floats = NDArray[np.float64]
 
 SHAPES = (
     "joints (T, J, 3) or (J, 3, T) in the order of SMPL (J = 22, 24, 45, 52, 55, 73, 127 or 144), KIT-ML (21) or "
-    "SOMA (30, 77), several of them as (B, T, J, 3) or (B, J, 3, T), or features (T, 263) or (T, 251)"
+    "SOMA (30, 77), several of them as (B, T, J, 3) or (B, J, 3, T), features (T, 263) or (T, 251), or Motion-X's "
+    "(T, 322)"
 )
 #: The most takes in an array, as in a generator's results.
 MAX_TAKES = 10_000

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.errors import UnreadableMotion
-from indexer.formats import array_layouts
+from indexer.formats.numpy_files import array_layouts, smpl
 from indexer.take import Take
 
 #: So many numbers an array may hold (256 MB once they are float64): seven hours of 22 joints at 20 frames a second.
@@ -41,7 +41,10 @@ def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) ->
     UnreadableMotion
         If its shape is none that `array_layouts` knows, if it is pickled, damaged, or shorter than its header says.
     """
-    return array_layouts.takes_of(path, load_array(path, data), fps)
+    array = load_array(path, data)
+    if array.ndim == 2 and array.shape[1] == smpl.MOTION_X_SIZE:
+        return [smpl.take_of_motion_x(path, array, fps)]
+    return array_layouts.takes_of(path, array, fps)
 
 
 def load_array(path: str | PathLike[str], data: bytes) -> NDArray[Any]:

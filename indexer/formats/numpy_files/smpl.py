@@ -72,6 +72,10 @@ SPELLINGS = (
     Spelling(("poses",), "transl", "y"),
 )
 
+#: Motion-X (Lin et al., NeurIPS 2023) as one array (T, 322): where the parameters lie that are read.
+MOTION_X_SIZE = 322
+_MOTION_X = {"root_orient": slice(0, 3), "pose_body": slice(3, 66), "trans": slice(309, 312)}
+
 
 def spelling_of(names: Mapping[str, Any] | set[str]) -> Spelling | None:
     """The spelling whose arrays are among some names; None where they hold no parameters."""
@@ -125,6 +129,18 @@ def take_of(
     positions = forward_kinematics(angles[:, : len(JOINTS)], translation, rest)
     parents = PARENTS.astype(np.int64)
     return Take(JOINTS, parents, turned, positions, fps or spelling.fps, up=spelling.up, warnings=tuple(warnings))
+
+
+def take_of_motion_x(path: str | PathLike[str], array: NDArray[Any], fps: float | None) -> Take:
+    """The 22 joints of parameters (T, 322) as Motion-X stores them.
+
+    Raises
+    ------
+    UnreadableMotion
+        If there is no frame.
+    """
+    spelling = Spelling(("root_orient", "pose_body"), "trans", "y")
+    return take_of(path, spelling, lambda name: array[:, _MOTION_X[name]], fps)
 
 
 def rest_joints() -> Floats:

@@ -1,0 +1,1 @@
+"""NumPy files: arrays of joints and features, and parameters of the body models of SMPL."""
