@@ -80,21 +80,28 @@ def _library(folder: Path, count: int, size: int) -> np.ndarray:
     connection = schema.connect(folder / FILE, writable=True)
     with schema.transaction(connection):
         connection.execute("INSERT INTO roots(id, path) VALUES (1, '..')")
-        connection.execute("INSERT INTO models VALUES (1, 'none', 'random', ?)", (size,))
+        connection.execute("INSERT INTO models(id, fingerprint, name, size) VALUES (1, 'none', 'random', ?)", (size,))
         connection.execute("INSERT INTO settings VALUES ('model', 1)")
         connection.execute("UPDATE settings SET value = 1 WHERE key = 'generation'")
         for clip in range(1, count // A_CLIP + 1):
             packed = vectors[(clip - 1) * A_CLIP : clip * A_CLIP].astype(np.float16)
             connection.execute(
-                "INSERT INTO files VALUES (?, 1, ?, 0, 0, ?, '', 'indexed', NULL)", (clip, f"{clip}.bvh", str(clip))
+                "INSERT INTO files(id, root_id, path, size, mtime_ns, hash, recipe, state, reason) "
+                "VALUES (?, 1, ?, 0, 0, ?, '', 'indexed', NULL)",
+                (clip, f"{clip}.bvh", str(clip)),
             )
             connection.execute(
                 "INSERT INTO clips(id, file_id, name, format, rig, fps, frames, duration, added, generation) "
                 "VALUES (?, ?, ?, 'bvh', '', 20, 424, 21.2, '', 1)",
                 (clip, clip, str(clip)),
             )
-            connection.execute("INSERT INTO embeddings VALUES (?, 1, ?)", (clip, packed[0].tobytes()))
-            connection.execute("INSERT INTO windows VALUES (?, 1, 1.6, ?, ?)", (clip, starts, packed.tobytes()))
+            connection.execute(
+                "INSERT INTO embeddings(clip_id, model_id, vector) VALUES (?, 1, ?)", (clip, packed[0].tobytes())
+            )
+            connection.execute(
+                "INSERT INTO windows(clip_id, model_id, length, starts, vectors) VALUES (?, 1, 1.6, ?, ?)",
+                (clip, starts, packed.tobytes()),
+            )
     connection.close()
     return vectors
 

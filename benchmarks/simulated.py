@@ -44,7 +44,10 @@ def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0
 
     with schema.transaction(db):
         db.execute("INSERT INTO roots(id, path) VALUES (1, '..')")
-        db.execute("INSERT INTO models VALUES (1, ?, ?, ?)", (model["fingerprint"], model["name"], model["size"]))
+        db.execute(
+            "INSERT INTO models(id, fingerprint, name, size) VALUES (1, ?, ?, ?)",
+            (model["fingerprint"], model["name"], model["size"]),
+        )
         db.execute("INSERT INTO settings VALUES ('model', 1)")
         db.execute("UPDATE settings SET value = 1 WHERE key = 'generation'")
         db.executemany("INSERT INTO texts(id, text) VALUES (?, ?)", enumerate(sentences, 1))
@@ -54,16 +57,22 @@ def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0
                 clip, windows = clips[rng.integers(len(clips))]
                 by = noise / 16 * rng.standard_normal(model["size"], np.float32)
                 path = f"take {i // 1000:03}/{clip.name} {i}.bvh"
-                db.execute("INSERT INTO files VALUES (?, 1, ?, 0, 0, ?, '', ?, NULL)", (i, path, str(i), INDEXED))
+                db.execute(
+                    "INSERT INTO files(id, root_id, path, size, mtime_ns, hash, recipe, state, reason) "
+                    "VALUES (?, 1, ?, 0, 0, ?, '', ?, NULL)",
+                    (i, path, str(i), INDEXED),
+                )
                 values = (i, i, path, clip.format, clip.rig, clip.fps, clip.frames, clip.duration, clip.added, path)
                 db.execute(
                     "INSERT INTO clips(id, file_id, name, format, rig, fps, frames, duration, added, clip_path, "
                     "generation) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 1)",
                     values,
                 )
-                db.execute("INSERT INTO embeddings VALUES (?, 1, ?)", (i, moved(whole[clip.id], by)))
+                db.execute(
+                    "INSERT INTO embeddings(clip_id, model_id, vector) VALUES (?, 1, ?)", (i, moved(whole[clip.id], by))
+                )
                 db.executemany(
-                    "INSERT INTO windows VALUES (?, 1, ?, ?, ?)",
+                    "INSERT INTO windows(clip_id, model_id, length, starts, vectors) VALUES (?, 1, ?, ?, ?)",
                     [(i, w.length, w.starts.tobytes(), moved(w.vectors, by)) for w in windows],
                 )
                 if rng.random() < _CAPTIONED:

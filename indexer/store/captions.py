@@ -191,7 +191,7 @@ def insert_text_vectors(
 ) -> None:
     """Store the vectors (N, D) of N texts under a model."""
     db.executemany(
-        "INSERT INTO text_embeddings VALUES (?, ?, ?)",
+        "INSERT INTO text_embeddings(text_id, model_id, vector) VALUES (?, ?, ?)",
         [(text_id, model_id, vector.tobytes()) for text_id, vector in zip(text_ids, vectors, strict=True)],
     )
 

@@ -21,8 +21,11 @@ class ClipVectors:
 
 def insert(db: sqlite3.Connection, clip_id: int, model_id: int, vectors: ClipVectors) -> None:
     """Store a clip's vectors under a model; it must have none there."""
-    db.execute("INSERT INTO embeddings VALUES (?, ?, ?)", (clip_id, model_id, vectors.vector.tobytes()))
+    db.execute(
+        "INSERT INTO embeddings(clip_id, model_id, vector) VALUES (?, ?, ?)",
+        (clip_id, model_id, vectors.vector.tobytes()),
+    )
     db.executemany(
-        "INSERT INTO windows VALUES (?, ?, ?, ?, ?)",
+        "INSERT INTO windows(clip_id, model_id, length, starts, vectors) VALUES (?, ?, ?, ?, ?)",
         [(clip_id, model_id, w.length, w.starts.tobytes(), w.vectors.tobytes()) for w in vectors.windows],
     )

@@ -12,6 +12,7 @@ from secrets import randbits
 from sqlite_utils import Database
 
 from encoders.errors import LibraryDamaged, LibraryError, LibraryLocked, LibraryNotFound
+from indexer.store import digests
 
 Migration = Callable[[Database], None]
 MIGRATIONS: list[Migration] = []
@@ -183,6 +184,16 @@ def m004_several_clips_a_file(db: Database) -> None:
     db.table("clips").create_index(["clip_path"])
 
 
+@migration
+def m005_digests(db: Database) -> None:
+    """A digest of each row. To write it must not touch the full-text tables, so they follow their own column alone."""
+    digests.add_columns(db)
+    for table, column in (("clips", "name"), ("texts", "text")):
+        (trigger,) = (trigger for trigger in db.table(table).triggers if trigger.name == f"{table}_au")
+        db.execute(f"DROP TRIGGER {trigger.name}")
+        db.execute(trigger.sql.replace("AFTER UPDATE ON", f"AFTER UPDATE OF {column} ON"))
+
+
 def _as_of_today(connection: sqlite3.Connection) -> None:
     """Show the tables of an older library, which is only read, with the columns that it lacks."""
     defaults = ", ".join(f"{value} AS {name}" for name, _, value in _READING)
@@ -216,6 +227,7 @@ def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
     if version == 0 and not writable:
         connection.close()
         raise LibraryDamaged(f"{path}: holds no tables; delete its folder and index again")
+    digests.register(connection)
     if version < 4 and not writable:
         _as_of_today(connection)
     return connection

@@ -16,7 +16,7 @@ from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.part_names import with_part
 from indexer.read_motion import ReadMotion
-from indexer.store import captions, clip_vectors, poses, schema
+from indexer.store import captions, clip_vectors, digests, poses, schema
 from indexer.store.captions import CaptionRow
 from indexer.store.clip_vectors import ClipVectors
 from indexer.store.files import ARRAYS_ROOT, FAILED, GONE, INDEXED, ArrayItem, File, FileVersion, KnownFile
@@ -220,8 +220,8 @@ class Writer:
         db = self.connection
         for table in ("poses", "embeddings", "windows"):
             db.execute(f"DELETE FROM {table} WHERE clip_id = ?", (clip_id,))
-        chunks = enumerate(poses.pack_all(motion.joints))
-        db.executemany("INSERT INTO poses VALUES (?, ?, ?)", [(clip_id, number, data) for number, data in chunks])
+        chunks = [(clip_id, number, data) for number, data in enumerate(poses.pack_all(motion.joints))]
+        db.executemany("INSERT INTO poses(clip_id, chunk, data) VALUES (?, ?, ?)", chunks)
         self.put_vectors(clip_id, vectors, model_id)
 
     def move(self, file_id: int, root_id: int, file: File) -> None:
@@ -354,4 +354,5 @@ def writing(folder: Path) -> Iterator[Writer]:
         connection = schema.connect(folder / "library.sqlite", writable=True)
         stack.callback(connection.close)
         schema.migrate(connection)
+        digests.keep(connection)
         yield Writer(folder, connection)

@@ -13,7 +13,7 @@ from indexer.formats import bvh as reader
 from indexer.ingest import file_parts, indexing
 from indexer.ingest.load import load_motion, read_motions
 from indexer.ingest.pool import Read
-from indexer.store import schema
+from indexer.store import digests, schema
 from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
 from search.library import Library
 from search.references import find_source
@@ -234,6 +234,8 @@ def _downgrade(file):
     db.execute("DROP TABLE generations")
     db.execute("DROP INDEX captions_split")
     db.execute("ALTER TABLE captions DROP COLUMN split")
+    for table in digests.COVERED:
+        db.execute(f"ALTER TABLE {table} DROP COLUMN digest")
     db.execute("PRAGMA user_version = 1")
     db.commit()
     db.close()
