@@ -17,7 +17,6 @@ from encoders.arguments import checked_path
 from encoders.errors import ArgumentError, QueryError, UnknownClip, UnreadableMotion
 from encoders.motion import Motion
 from indexer.formats.reading import split_name
-from indexer.ingest.arrays import to_motion
 from indexer.part_names import splits, with_part
 from indexer.store.clips import Clip
 from indexer.store.stored_library import StoredLibrary
@@ -60,9 +59,9 @@ def source_of(ref: Ref, library: StoredLibrary | None = None, *, fps: float | No
             return MotionSource.of_motion(ref.read(), ref.path)
         return _source_of_clip(ref.clip_id, ref.path, ref.file, library, fps)
     if isinstance(ref, Motion):
-        return MotionSource.of_motion(ref if fps in (None, ref.fps) else to_motion(ref, fps))
+        return MotionSource.of_motion(ref) if fps in (None, ref.fps) else MotionSource.of_array(ref, fps)
     if isinstance(ref, np.ndarray):
-        return MotionSource.of_motion(to_motion(ref, fps))
+        return MotionSource.of_array(ref, fps)
     if isinstance(ref, MotionSource):
         return ref
     raise ArgumentError(f"a path, clip, hit, Motion or array of joints (T, 22, 3) is needed, not {type(ref).__name__}")

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike, fspath
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from encoders.errors import QueryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.formats.reading import split_name
+from indexer.ingest.arrays import to_motion
 from indexer.ingest.load import read_motion
 from indexer.ingest.unindexed import file_state, read_unindexed
 from indexer.read_motion import NOT_KNOWN, Reading, extent
@@ -107,6 +109,12 @@ class MotionSource:
         read = read_motion(fspath(path), fps) if library is None else read_unindexed(library, Path(path), fps=fps)
         file, part = split_name(path)
         return replace(cls.of_motion(read.motion, fspath(path), file), part=part, reading=read.reading)
+
+    @classmethod
+    def of_array(cls, array: Motion | NDArray[Any], fps: float | None = None) -> MotionSource:
+        """Joints (T, 22, 3) at `fps`, 20 if not given; see `indexer.ingest.arrays.to_motion`."""
+        read = to_motion(array, fps)
+        return replace(cls.of_motion(read.motion), reading=read.reading)
 
     @classmethod
     def of_motion(cls, motion: Motion, path: str = "", file: Path | None = None) -> MotionSource:

@@ -23,7 +23,8 @@ from indexer.argument_checks import checked_rate
 from indexer.formats.numpy_files.array_layouts import SMPL
 from indexer.ingest.caption_files import MAX_TEXT
 from indexer.ingest.encode import captions_without_vectors, encode, insert_caption_vectors, use_model
-from indexer.rigs.retarget import retarget
+from indexer.read_motion import Reading, ReadMotion
+from indexer.rigs.retarget import retarget_with_reading
 from indexer.store.captions import CaptionRow
 from indexer.store.clips import Caption
 from indexer.store.files import ArrayItem
@@ -35,7 +36,7 @@ _LONGEST_ID = 500
 #: Categories of Unicode: control characters, line and paragraph separators.
 _CONTROL = ("Cc", "Zl", "Zp")
 
-_Batch: TypeAlias = list[tuple[ArrayItem, list[CaptionRow], Motion]]
+_Batch: TypeAlias = list[tuple[ArrayItem, list[CaptionRow], ReadMotion]]
 
 
 @dataclass(frozen=True)
@@ -109,7 +110,7 @@ def remove(folder: Path, ids: Iterable[str]) -> None:
                 raise UnknownClip(f"{id!r}: no clip of that id was added to {folder}")
 
 
-def to_motion(motion: Motion | ArrayLike, fps: float | None = None, *, name: str = "the array") -> Motion:
+def to_motion(motion: Motion | ArrayLike, fps: float | None = None, *, name: str = "the array") -> ReadMotion:
     """A motion or an array of joints (T, 22, 3) as a motion at 20 frames a second; see `NewClip`.
 
     Parameters
@@ -130,15 +131,16 @@ def to_motion(motion: Motion | ArrayLike, fps: float | None = None, *, name: str
                 f"{name}: fps={fps} is not the motion's own {motion.fps:g}; give fps with an array only"
             )
         checked_rate(motion.fps, f"{name}: motion.fps")
-        return motion.resample(FPS)
+        return ReadMotion(motion.resample(FPS), reading=Reading(source_fps=motion.fps, source_frames=len(motion)))
     try:
         joints = joint_array(motion, np.float64)
     except (TypeError, ValueError, RuntimeError) as error:  # RuntimeError: a tensor that cannot become an array
         raise ArgumentError(f"{name}: a Motion or an array of joints (T, 22, 3) is needed; {error}") from None
     try:
-        return retarget(SMPL.take(joints, rate), path=name)
+        read, reading = retarget_with_reading(SMPL.take(joints, rate), path=name)
     except UnreadableMotion as error:
         raise ArgumentError(str(error)) from None
+    return ReadMotion(read, reading=reading)
 
 
 def _batches(items: Iterable[NewClip]) -> Iterator[_Batch]:
@@ -147,7 +149,7 @@ def _batches(items: Iterable[NewClip]) -> Iterator[_Batch]:
         if not isinstance(item, NewClip):
             raise ArgumentError(f"clips must be a list of NewClip, not of {type(item).__name__}")
         batch.append((_record(item.id), _rows(item), to_motion(item.motion, item.fps, name=item.id)))
-        if len(batch) >= _BATCH_CLIPS or sum(len(motion) for *_, motion in batch) >= _BATCH_FRAMES:
+        if len(batch) >= _BATCH_CLIPS or sum(len(read.motion) for *_, read in batch) >= _BATCH_FRAMES:
             yield batch
             batch = []
     if batch:
@@ -208,11 +210,11 @@ def _row(id: str, given: Any) -> Iterator[CaptionRow]:
 
 def _commit(writer: Writer, encoder: Encoder, model_id: int, batch: _Batch) -> list[int]:
     """Encode and store a batch, with its captions, as one transaction; the numbers of its clips."""
-    vectors = encode(encoder, [motion for *_, motion in batch])
+    vectors = encode(encoder, [read.motion for *_, read in batch])
     with writer.batch():
         numbers = [
-            writer.add_array(record, motion, rows, encoded, model_id)
-            for (record, rows, motion), encoded in zip(batch, vectors, strict=True)
+            writer.add_array(record, read, rows, encoded, model_id)
+            for (record, rows, read), encoded in zip(batch, vectors, strict=True)
         ]
         for part in captions_without_vectors(writer, model_id):
             insert_caption_vectors(writer, encoder, model_id, part)

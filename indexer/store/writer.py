@@ -182,15 +182,16 @@ class Writer:
             db.execute("UPDATE clips SET file_id = ?, generation = ? WHERE id = ?", (gone, self._generation, clip_id))
 
     def add_array(
-        self, item: ArrayItem, motion: Motion, rows: Sequence[CaptionRow], vectors: ClipVectors, model_id: int
+        self, item: ArrayItem, read: ReadMotion, rows: Sequence[CaptionRow], vectors: ClipVectors, model_id: int
     ) -> int:
         """Store a clip that no file holds, or replace the one of that id, with its captions; the clip's id."""
         root_id = self._arrays_root()
-        digest = blake2b(motion.joints.tobytes(), digest_size=16, person=b"array").hexdigest()  # never that of a file
+        # Never that of a file.
+        digest = blake2b(read.motion.joints.tobytes(), digest_size=16, person=b"array").hexdigest()
         file_id = self._file(FileVersion(root_id, item, digest, ReadOptions()))
-        clip_id, is_new = self._clip(file_id, item, ReadMotion(motion))
+        clip_id, is_new = self._clip(file_id, item, read)
         captions.replace_of_clip(self.connection, root_id, clip_id, rows, is_new=is_new)
-        self._put_content(clip_id, motion, vectors, model_id)
+        self._put_content(clip_id, read.motion, vectors, model_id)
         return clip_id
 
     def remove_array(self, id: str) -> bool:

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 import motionseek
+from encoders.skeleton import INDEX
 from indexer.formats.reading import read_take
 from search.export.annotations import as_babel, as_eaf
 from search.hits import Hit
+from tests.indexer.folders import standing
 from tests.indexer.performances import Performance, bvh, performance
 
 RATE = 60.0
@@ -174,3 +176,18 @@ def test_the_server_answers_in_the_files_time_of_clips_and_of_uploads(folder, le
             first = answer["hits"][0]
             assert lead - 1e-3 <= first["start"] < first["end"] <= lead + info["duration"] + 1e-3
             assert first["first_frame"] == round(first["start"] * RATE)
+
+
+def test_arrays_keep_their_own_times_too(library, lead, tmp_path):
+    t_pose = standing()
+    for side, sign in (("left", 1), ("right", -1)):
+        for joint, reach in (("elbow", 0.26), ("wrist", 0.51)):
+            away = np.array([sign * reach, 0, 0])
+            t_pose[INDEX[f"{side}_{joint}"]] = t_pose[INDEX[f"{side}_shoulder"]] + away
+    count = round(lead * 20)
+    joints = np.concatenate([np.repeat(t_pose[None], count, axis=0), library.source("plain.bvh").motion.joints])
+    source = library.source(joints, fps=20)
+    assert (source.start, source.reading.source_frames) == (pytest.approx(count / 20), len(joints))
+    with motionseek.open(tmp_path / "arrays", create=True) as made:
+        made.add("led", joints, fps=20)
+        assert made.find("led").start == source.start

@@ -65,13 +65,13 @@ def test_an_array_is_read_as_a_file_of_it_would_be(tmp_path):
     path = tmp_path / "a.npy"
     joints = moving(3, fps=30) * 100  # centimetres
     np.save(path, joints)
-    np.testing.assert_array_equal(to_motion(joints, 30).joints, load_motion(path, fps=30).joints)
-    np.testing.assert_array_equal(to_motion(moving(3).tolist()).joints, to_motion(moving(3)).joints)
+    np.testing.assert_array_equal(to_motion(joints, 30).motion.joints, load_motion(path, fps=30).joints)
+    np.testing.assert_array_equal(to_motion(moving(3).tolist()).motion.joints, to_motion(moving(3)).motion.joints)
 
 
 def test_a_motion_is_taken_as_it_is_at_twenty_frames_a_second():
     given = Motion(moving(1, fps=40), 40)
-    taken = to_motion(given)
+    taken = to_motion(given).motion
     assert taken.fps == 20
     np.testing.assert_array_equal(taken.joints, given.resample(20).joints)
 
