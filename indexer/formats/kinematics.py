@@ -57,6 +57,12 @@ def quaternion_axes(quaternions: NDArray[np.float64]) -> Axes:
     )
 
 
+def turned(axes: Axes, matrix: NDArray[np.float64]) -> Axes:
+    """Frames turned by one rotation (3, 3) of their own: R <- R @ matrix."""
+    x, y, z = (sum(axis * part for axis, part in zip(axes, column, strict=True) if part) for column in matrix.T)
+    return x, y, z
+
+
 def tips(parents: NDArray[np.int64], rest: NDArray[np.float64]) -> list[tuple[int, NDArray[np.float64]]]:
     """Bones that go on straight from the leaves of a skeleton, as long as the bones that lead there.
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from encoders.errors import UnreadableMotion
 from indexer.formats import table
+from indexer.formats.mending import mended
 from indexer.formats.opening import read_bytes
 from indexer.part_names import splits
 from indexer.take import Take
@@ -38,7 +39,8 @@ def read_takes(path: str | PathLike[str], *, fps: float | None = None) -> list[T
     data = read_bytes(path)
     row = table.detect(path, data)
     takes = row.read(path, data, fps=fps)
-    return [take if take.fps is not None else replace(take, fps=row.default_fps) for take in takes]
+    takes = [take if take.fps is not None else replace(take, fps=row.default_fps) for take in takes]
+    return [mended(path, take) for take in takes]
 
 
 def read_take(path: str | PathLike[str], *, fps: float | None = None) -> Take:

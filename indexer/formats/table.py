@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from encoders.errors import UnreadableMotion
-from indexer.formats import amc, bvh
+from indexer.formats.acclaim import amc
+from indexer.formats.bvh import bvh_reader
 from indexer.formats.fbx import fbx
 from indexer.formats.gltf import gltf_reader
 from indexer.formats.numpy_files import npy, npz
@@ -55,7 +56,7 @@ class Format:
     default_fps : float or None
         Frame rate of a file that states none and for which none is given; None where every file states one.
     states_fps : bool
-        Whether a file can state its frame rate.
+        Whether every file states its frame rate; an AMC may.
     companion : Companion or None
     """
 
@@ -71,7 +72,7 @@ class Format:
 
 # fmt: off
 FORMATS = (
-    Format(".bvh", bvh.read, rb"hierarchy", is_text=True),
+    Format(".bvh", bvh_reader.read, rb"hierarchy", is_text=True),
     Format(".amc", amc.read, rb".*:(fully-specified|degrees|radians)", is_text=True,
            default_fps=120.0, states_fps=False, companion=Companion(".asf", b":bonedata")),
     Format(".fbx", fbx.read, rb"kaydara fbx binary|; *fbx|fbxheaderextension"),

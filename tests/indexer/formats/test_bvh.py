@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from encoders.errors import UnreadableMotion
-from indexer.formats.numbers import parse_numbers
 from indexer.formats.reading import read_take
 from indexer.take import Take
 
@@ -144,10 +143,9 @@ def test_an_absurd_rate_is_named_unless_the_true_one_is_given(tmp_path: Path, fr
     ("change", "message"),
     [
         (lambda text: text.split("MOTION")[0], "no MOTION"),
-        (lambda text: text.replace("Frames: 2", "Frames: 3"), "announces 3 frames but holds 2"),
-        (lambda text: text[:-6], "frame 2 is cut short: 7 of 9"),
-        (lambda text: text.split("0 0 0 0 0 0 0 0 0")[0], "announces 2 frames|no frames"),
-        (lambda text: text.replace("90 0 0 0 0 90", "90 0 x 0 0 90"), "'x' is no number"),
+        (lambda text: text.split("0 0 0 0 0 0 0 0 0")[0], "no frames"),
+        (lambda text: text.split("0 0 0 0 0 0 0 0 0")[0] + "0 0 0 0", "no frames"),
+        (lambda text: text.replace("90 0 0 0 0 90", "90 0 x 0 0 90"), "frame 2 holds values that are no numbers.*'x'"),
         (lambda text: text.replace("90 0 0 0 0 90", "90 0 nan 0 0 90"), "frame 2 holds values that are no numbers"),
         (lambda text: text.replace("Frame Time: 0.05\n", ""), "Frame Time"),
         (lambda text: text.replace("    End Site\n    {\n", "    End Site\n"), "cannot be read|opening brace|order"),
@@ -166,33 +164,4 @@ def test_what_is_broken_is_named(tmp_path: Path, change, message: str) -> None: 
 def test_a_header_with_countless_joints_is_refused(tmp_path: Path) -> None:
     joints = "JOINT a\n{\nOFFSET 0 0 0\nCHANNELS 0\n" * 5000
     text = "HIERARCHY\n" + joints.replace("JOINT", "ROOT", 1) + "}" * 5000
-    assert "4096 joints" in reason(tmp_path, text + "\nMOTION\nFrames: 1\nFrame Time: 0.1\n0\n")
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "1 -2.5 +3. .5 -.25",
-        "0.016666666666666666 1e-3 -1E+2",
-        "123456789012345678901 0.1 7",
-        "1\t2\n3\r\n4,5;6",
-        "-0.0 000.125 1234567.890123",
-        "",
-        "  \n ",
-    ],
-)
-def test_numbers_are_exactly_what_float_says(text: str) -> None:
-    words = text.replace(",", " ").replace(";", " ").split()
-    assert parse_numbers(text.encode()).tolist() == [float(word) for word in words]
-
-
-def test_random_numbers_are_exactly_what_float_says() -> None:
-    rng = np.random.default_rng(0)
-    words = [f"{v:.{d}f}" for v, d in zip(rng.normal(0, 300, 2000), rng.integers(0, 10, 2000), strict=True)]
-    assert parse_numbers(" ".join(words).encode()).tolist() == [float(word) for word in words]
-
-
-@pytest.mark.parametrize("text", ["1 2-3 4", "1.2.3", "- 3", "1 abc", ".", "+-3", "0x10", "1_000"])
-def test_what_is_no_number_is_named(text: str) -> None:
-    with pytest.raises(ValueError, match="is no number"):
-        parse_numbers(text.encode())
+    assert "2048 joints" in reason(tmp_path, text + "\nMOTION\nFrames: 1\nFrame Time: 0.1\n0\n")

@@ -41,7 +41,7 @@ def test_content_decides_before_the_ending(tmp_path: Path) -> None:
         ("a.bvh", bytes(range(256)), "cannot be read"),
         ("a.txt", b"hello", "cannot be read"),
         ("a.bvh", b"hello", "MOTION|HIERARCHY"),
-        ("a.amc", b"hello", "frames|frame number"),
+        ("a.amc", b"hello", "frame, its number"),
         ("a.npy", b"hello", "cannot be read|NumPy"),
     ],
 )

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.errors import UnreadableMotion
+from indexer.formats.kinematics import Pose, turn
+from indexer.formats.opening import read_bytes
 
 MAX_BYTES = 4_000_000
 MAX_BONES = 1024
@@ -31,6 +33,13 @@ class Bone:
     dof: list[str] = field(default_factory=list)
     is_last: bool = False
 
+    def axes(self) -> NDArray[np.float64]:
+        """Its axes as columns (3, 3)."""
+        axes = Pose.identity(1).axes
+        for axis, angle in reversed(self.axis):
+            axes = turn(axes, axis, np.array([angle]))
+        return np.concatenate(axes, axis=1)
+
 
 @dataclass(frozen=True)
 class Skeleton:
@@ -50,13 +59,7 @@ def read_skeleton(path: str | PathLike[str]) -> Skeleton:
         If it is no complete skeleton; names the section.
     """
     path = Path(path)
-    try:
-        with path.open("rb") as file:
-            text = file.read(MAX_BYTES + 1).decode("latin-1").removeprefix("\u00ef\u00bb\u00bf")
-    except OSError as error:
-        raise UnreadableMotion(path, error.strerror or str(error)) from None
-    if len(text) > MAX_BYTES:
-        raise UnreadableMotion(path, f"a skeleton file of more than {MAX_BYTES // 1_000_000} MB is none")
+    text = read_bytes(path, max_bytes=MAX_BYTES).decode("latin-1")
     sections = _sections(text)
     absent = [name for name in ("root", "bonedata", "hierarchy") if name not in sections]
     if absent:

@@ -1,0 +1,155 @@
+"""ASF/AMC: a skeleton file (.asf) and motions (.amc) that belong to it, found beside each other.
+
+A motion may state its frame rate, as SAMPLES-PER-SECOND, but few do: it is 120 by default (`default_fps` in
+`indexer.formats.table`), or given; see `indexer.store.read_options` for what takes precedence.
+"""
+
+from __future__ import annotations
+
+import re
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.errors import UnreadableMotion
+from indexer.formats.acclaim.amc_frames import AmcFrames, read_frames
+from indexer.formats.acclaim.asf import Bone, Skeleton, read_skeleton
+from indexer.formats.kinematics import Pose, turn, turned
+from indexer.take import Take
+
+#: Frames a second that a header may state.
+_RATES = 2.0, 1e4
+
+_NAMED_SKELETON = re.compile(rb"([^\\/\s:][^\\/\r\n:]*\.asf)\s*$", re.IGNORECASE | re.MULTILINE)
+
+
+def read(path: str | PathLike[str], data: bytes, *, fps: float | None = None) -> list[Take]:
+    """Read an AMC file with the ASF that lies beside it.
+
+    Each joint stands where its bone begins and has the bone's name, as in BVH; the tip of a last bone is the
+    bone's name with `_end`.
+
+    Raises
+    ------
+    UnreadableMotion
+        Where there is no skeleton beside the file, or the two do not fit each other.
+    """
+    frames = read_frames(path, data)
+    skeleton = _skeleton(path, data, list(frames.values))
+    if fps is None and frames.fps is not None:
+        if not _RATES[0] <= frames.fps <= _RATES[1]:
+            raise UnreadableMotion(
+                path, f"SAMPLES-PER-SECOND {frames.fps:g} is no frame rate of a recording; give the true one with fps"
+            )
+        fps = frames.fps
+    return [_take(path, skeleton, frames, fps)]
+
+
+def _skeleton(path: str | PathLike[str], data: bytes, bones: list[str]) -> Skeleton:
+    """The skeleton beside the motion that has all its bones."""
+    candidates = _candidates(Path(path), data)
+    if not candidates:
+        raise UnreadableMotion(path, "its skeleton is missing: put the .asf file that belongs to it in the same folder")
+    reasons: list[str] = []
+    for candidate in candidates:
+        try:
+            skeleton = read_skeleton(candidate)
+        except UnreadableMotion as error:
+            reasons.append(f"{candidate.name}: {error.reason}")
+            continue
+        lacking = [bone for bone in bones if bone not in skeleton.bones]
+        if not lacking:
+            return skeleton
+        reasons.append(f"the skeleton {candidate.name} has no bone {lacking[0][:40]!r}: not the one of this motion")
+    raise UnreadableMotion(path, reasons[0])
+
+
+def _candidates(path: Path, data: bytes) -> list[Path]:
+    """Skeletons beside a motion, the likeliest first: same name, same subject, named in the header, any."""
+    beside = sorted(p for p in path.parent.iterdir() if p.suffix.lower() == ".asf" and p.is_file())
+    named = _NAMED_SKELETON.search(data[:2000])
+    header = named[1].decode("latin-1").strip().lower() if named else ""
+    stem = path.stem.lower()
+
+    def rank(other: Path) -> tuple[int, int]:
+        name = other.stem.lower()
+        if stem == name or re.match(re.escape(name) + r"[^a-z0-9]", stem):
+            return 0, -len(name)
+        return (1, 0) if other.name.lower() == header else (2, 0)
+
+    return sorted(beside, key=rank)
+
+
+def _take(path: str | PathLike[str], skeleton: Skeleton, frames: AmcFrames, fps: float | None) -> Take:
+    """Forward kinematics of the Acclaim convention: a bone turns about its own axes, then its parent's turns follow.
+
+    The pose of a bone is that of its own axes, which differ from the bone's frame by `bone.axes`.
+    """
+    count = next(iter(frames.values.values())).shape[1]
+    radians = skeleton.radians if frames.is_radians is None else frames.is_radians
+    names: list[str] = []
+    parents: list[int] = []
+    rest: list[NDArray[np.float64]] = []
+    positions: list[NDArray[np.float64]] = []
+    number: dict[str, int] = {}
+    poses: dict[str, Pose] = {"": Pose.identity(count)}
+    tips: dict[str, NDArray[np.float64]] = {}
+    axes = {"": np.eye(3)}
+
+    def add(name: str, parent: int, at_rest: NDArray[np.float64], place: NDArray[np.float64]) -> None:
+        names.append(name)
+        parents.append(parent)
+        rest.append(at_rest)
+        positions.append(place)
+
+    for bone in skeleton.order:
+        values = frames.values.get(bone.name, np.zeros((len(bone.dof), count)))
+        if len(values) != len(bone.dof):
+            raise UnreadableMotion(path, f"{bone.name} has {len(values)} values a frame, its skeleton {len(bone.dof)}")
+        axes[bone.name] = bone.axes()
+        pose, tip = _move(poses[bone.parent], axes[bone.parent].T, bone, values, radians)
+        number[bone.name] = len(names)
+        add(bone.name, number.get(bone.parent, -1), tips[bone.parent] if bone.parent else bone.offset, pose.position)
+        poses[bone.name] = Pose(pose.axes, tip)
+        tips[bone.name] = tips[bone.parent] + bone.offset if bone.parent else bone.offset
+        if bone.is_last:
+            add(f"{bone.name}_end", number[bone.name], tips[bone.name], tip)
+    owners = [name if name in poses else names[parent] for name, parent in zip(names, parents, strict=True)]
+
+    def rotations() -> NDArray[np.float64]:
+        own = [np.stack(turned(poses[owner].axes, axes[owner].T), axis=-1).transpose(1, 0, 2) for owner in owners]
+        return np.stack(own, axis=1)
+
+    places = np.stack(positions).transpose(2, 0, 1)
+    return Take(
+        tuple(names), np.array(parents), np.array(rest), places, fps, warnings=frames.warnings, rotations=rotations
+    )
+
+
+def _move(
+    start: Pose, to_start: NDArray[np.float64], bone: Bone, values: NDArray[np.float64], radians: bool
+) -> tuple[Pose, NDArray[np.float64]]:
+    """A bone's pose, where it begins, and its tip (3, T); `to_start` (3, 3) turns into the axes of its start."""
+    shift = np.zeros((3, values.shape[1]))
+    length: NDArray[np.float64] | float = 1.0
+    angles: list[tuple[int, NDArray[np.float64]]] = []
+    for dof, value in zip(bone.dof, values, strict=True):
+        if dof[0] == "r":
+            angles.append(("xyz".index(dof[1]), value if radians else np.deg2rad(value)))
+        elif dof[0] == "t":
+            shift["xyz".index(dof[1])] += value
+        else:
+            length = 1 + value / max(float(np.linalg.norm(bone.offset)), 1e-9)
+    own = bone.axes()
+    axes = turned(start.axes, to_start @ own)
+    for axis, angle in reversed(angles):
+        axes = turn(axes, axis, angle)
+    if not bone.parent:
+        base = shift + bone.offset[:, None]
+        return Pose(axes, base), base
+    place = start.place(to_start @ shift) if shift.any() else start.position
+    offset = own.T @ bone.offset
+    pose = Pose(axes, place)
+    return pose, pose.place(offset if isinstance(length, float) else offset[:, None] * length)
