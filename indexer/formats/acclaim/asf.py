@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -16,6 +17,8 @@ from indexer.formats.opening import read_bytes
 MAX_BYTES = 4_000_000
 MAX_BONES = 1024
 ROOT = "root"
+
+_DECIMAL_COMMA = re.compile(r"(?<!\S)([-+]?\d+),(\d+)(?!\S)")
 
 
 @dataclass
@@ -83,7 +86,7 @@ def _sections(text: str) -> dict[str, list[list[str]]]:
     sections: dict[str, list[list[str]]] = {}
     lines: list[list[str]] = []
     for line in text.splitlines():
-        words = line.split("#")[0].replace(",", " ").split()
+        words = _DECIMAL_COMMA.sub(r"\1.\2", line.split("#")[0]).replace(",", " ").split()
         if words and words[0].startswith(":"):
             lines = sections.setdefault(words[0][1:].lower(), [])
             if len(words) > 1:

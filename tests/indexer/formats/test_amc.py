@@ -163,3 +163,51 @@ def test_a_skeleton_alone_is_no_motion(tmp_path: Path) -> None:
     (tmp_path / "01.asf").write_text(ASF)
     with pytest.raises(UnreadableMotion, match=r"\.amc"):
         read_take(tmp_path / "01.asf")
+
+
+@pytest.mark.parametrize("stated", [":SAMPLES-PER-SECOND 30", ":samples-per-second\n30", ":Samples-Per-Second: 30.0"])
+def test_the_rate_that_a_header_states_is_taken(tmp_path: Path, stated: str) -> None:
+    assert read(tmp_path).fps == 120
+    take = read(tmp_path, AMC.replace(":DEGREES", f":UNKNOWN word 5\n{stated}\n:DEGREES"))
+    assert take.fps == 30
+    np.testing.assert_array_equal(take.positions, read(tmp_path).positions)
+
+
+def test_a_stated_rate_that_cannot_be_is_named(tmp_path: Path) -> None:
+    assert "SAMPLES-PER-SECOND 0 is no frame rate" in reason(tmp_path, amc=":SAMPLES-PER-SECOND 0\n" + AMC)
+
+
+def many(frames: int) -> list[str]:
+    return [f"{k}\nroot {k} 2 3 0 90 0\nupper 90 0 0\nlower 90\n" for k in range(1, frames + 1)]
+
+
+def test_a_last_frame_that_is_cut_short_is_left_out(tmp_path: Path) -> None:
+    for cut in (1, 3, 12, 25):
+        take = read(tmp_path, ":DEGREES\n" + "".join(many(20))[:-cut])
+        assert len(take.positions) == 20 - (cut > 1)
+        assert cut == 1 or "cut short" in take.warnings[0]
+
+
+@pytest.mark.parametrize("damage", ["root 7 nan 3", "root 7", "root 7 2e99 3", "toor 7 2 3"])
+def test_a_damaged_frame_is_filled_in(tmp_path: Path, damage: str) -> None:
+    text = ":DEGREES\n" + "".join(many(20))
+    take = read(tmp_path, text.replace("root 7 2 3", damage))
+    np.testing.assert_allclose(take.positions, read(tmp_path, text).positions, atol=1e-9)
+    assert "1 frame was damaged and filled in" in take.warnings[0]
+    assert "frame 7" in take.warnings[0]
+
+
+def test_decimal_commas_are_points(tmp_path: Path) -> None:
+    text = AMC.replace("root 1 2 3", "root 1.5 2.25 3.0")
+    expected = read(tmp_path, text, ASF.replace("length 2", "length 2.5")).positions
+    comma = text.replace(".", ",").replace("1,0", "1.0")
+    np.testing.assert_array_equal(read(tmp_path, comma, ASF.replace("length 2", "length 2,5")).positions, expected)
+
+
+def test_a_damaged_skeleton_beside_the_right_one_does_no_harm(tmp_path: Path) -> None:
+    (tmp_path / "aa.asf").write_text("# damaged")
+    (tmp_path / "01.asf").write_text(ASF.split(":hierarchy")[0])
+    assert len(read(tmp_path, skeleton="zz.asf").positions) == 2
+    (tmp_path / "zz.asf").unlink()
+    with pytest.raises(UnreadableMotion, match=r"01\.asf.*no :hierarchy"):
+        read_take(tmp_path / "01_02.amc")

@@ -165,3 +165,67 @@ def test_a_header_with_countless_joints_is_refused(tmp_path: Path) -> None:
     joints = "JOINT a\n{\nOFFSET 0 0 0\nCHANNELS 0\n" * 5000
     text = "HIERARCHY\n" + joints.replace("JOINT", "ROOT", 1) + "}" * 5000
     assert "2048 joints" in reason(tmp_path, text + "\nMOTION\nFrames: 1\nFrame Time: 0.1\n0\n")
+
+
+def long(frames: int = 20, **changed: str) -> str:
+    """The arm with many frames, some of whose lines are others."""
+    head, _ = ARM.split("0 0 0 0 0 0 0 0 0\n")
+    rows = [changed.get(f"row{k}", f"{k}.5 2.25 3 0 0 0 0 0 {k}.5") for k in range(1, frames + 1)]
+    return head.replace("Frames: 2", f"Frames: {frames}") + "\n".join(rows) + "\n"
+
+
+def test_fewer_frames_than_announced_are_read_with_a_warning(tmp_path: Path) -> None:
+    take = read(tmp_path, ARM.replace("Frames: 2", "Frames: 300"))
+    assert len(take.positions) == 2
+    assert take.warnings == ("it announces 300 frames but holds 2 whole ones",)
+
+
+def test_a_last_frame_that_is_cut_short_is_left_out(tmp_path: Path) -> None:
+    take = read(tmp_path, long()[:-12])
+    assert len(take.positions) == 19
+    assert "cut short" in take.warnings[0]
+    np.testing.assert_array_equal(take.positions, read(tmp_path, long()).positions[:19])
+
+
+@pytest.mark.parametrize(
+    "line", ["7.5 nan 3 0 0 0 0 0 7.5", "7.5 2.25 3 0", "7.5 # 3 0 0 0 0 0 1", "7 2 3 0 0 0 0 1e8 7"]
+)
+def test_a_damaged_frame_is_filled_in(tmp_path: Path, line: str) -> None:
+    take = read(tmp_path, long(row7=line))
+    np.testing.assert_allclose(take.positions, read(tmp_path, long()).positions, atol=0.01)
+    assert "1 frame was damaged and filled in" in take.warnings[0]
+    assert "frame 7" in take.warnings[0]
+    assert take.rotations is not None
+    assert np.isfinite(take.rotations()).all()
+
+
+@pytest.mark.parametrize("separator", [" ", "  ", "\t"])
+def test_decimal_commas_are_points(tmp_path: Path, separator: str) -> None:
+    expected = read(tmp_path, long())
+    head, frames = long().split("MOTION")
+    frames = frames.replace(" ", separator).replace(".", ",").replace("Frame" + separator + "Time", "Frame Time")
+    for text in (head + "MOTION" + frames, head.replace(" 0 0\n", " 0,0 0\n") + "MOTION" + frames):
+        take = read(tmp_path, text)
+        assert take.fps == expected.fps
+        np.testing.assert_array_equal(take.positions, expected.positions)
+
+
+def test_positions_are_additions_or_not_for_the_file_as_a_whole(tmp_path: Path) -> None:
+    six = "CHANNELS 6 Xposition Yposition Zposition Zrotation"
+    text = ARM.replace("CHANNELS 3 Zrotation", six)
+    text = text.replace("End Site", f"JOINT Hand {{\nOFFSET 0 3 0\n{six} Xrotation Yrotation\nEnd Site").replace(
+        "  }\n}", "  }\n}\n}"
+    )
+    head, _ = text.split("0 0 0 0 0 0 0 0 0\n")
+    row = "0 0 0 0 0 0 0.4 0 0 0 0 0 0 3 0 0 0 0\n"  # the arm's position is nearer to zero than to its offset
+    np.testing.assert_allclose(read(tmp_path, head + row + row).positions[1, 1], [0.4, 0, 0], atol=1e-9)
+
+
+def test_a_number_of_countless_digits_takes_no_time(tmp_path: Path) -> None:
+    assert "line 8" in reason(tmp_path, ARM.replace("OFFSET 1 0 0", "OFFSET " + "1" * 100_000))
+
+
+def test_a_few_lines_do_not_become_gigabytes(tmp_path: Path) -> None:
+    joints = "JOINT a\n{\nOFFSET 0 1 0\n" * 2000
+    text = f"HIERARCHY\nROOT r\n{{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n{joints}{'}' * 2001}\nMOTION\nFrames: 9000\n"
+    assert "no skeleton of a person" in reason(tmp_path, text + "Frame Time: 0.01\n" + "0\n" * 9000)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from encoders.errors import UnknownClip, UnreadableMotion
-from indexer.formats import bvh as reader
+from indexer.formats.bvh import bvh_reader as reader
 from indexer.ingest import file_parts, indexing
 from indexer.ingest.load import load_motion, read_motions
 from indexer.ingest.pool import Read

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from indexer.formats import bvh as reader
+from indexer.formats.bvh import bvh_reader as reader
 from indexer.rigs.figures import figures
 from indexer.rigs.mapping import map_rig
 from indexer.rigs.retarget import retarget
