@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from itertools import islice
 from pathlib import Path
 from posixpath import basename, dirname, join
 
@@ -23,7 +22,8 @@ from indexer.store.files import File
 _MOTIONS = ("new_joints", "new_joint_vecs")
 _TEXTS = "texts"
 _STATISTICS = frozenset({"mean", "std"})
-_LONGEST_LIST = 1_000_000
+#: A list of ids has at most so many bytes: a million ids.
+_MAX_LIST_BYTES = 16 << 20
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,9 @@ def published(folders: Iterable[Folder]) -> Published:
         found.passed_over.update(file.path for path in inside for file in files[path] if _is_statistics(file))
         texts = [file for file in files.get(join(place, _TEXTS), []) if file.ending == LINES]
         found.texts.extend((file, [motions[file.name]]) for file in texts if file.name in motions)
-        found.lists.extend(file for file in files[place] if file.ending == LINES)
+        found.lists.extend(
+            file for file in files.get(place, []) if file.ending == LINES and file.size <= _MAX_LIST_BYTES
+        )
     return found
 
 
@@ -72,7 +74,7 @@ def read_split(root: Path, file: File) -> list[CaptionRow]:
         If it cannot be read.
     """
     with (root / file.path).open(encoding="utf-8", errors="replace") as lines:
-        ids = dict.fromkeys(line.strip() for line in islice(lines, _LONGEST_LIST))
+        ids = dict.fromkeys(line.strip() for line in lines)
     return [
         CaptionRow(join(dirname(file.path), folder, f"{id}.npy"), split=file.name)
         for id in ids
