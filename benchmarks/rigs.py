@@ -28,7 +28,7 @@ from indexer.ingest.load import load_motion
 #: Frames at 20 fps by which two recordings of a trial may begin apart.
 MAX_SHIFT = 40
 #: Endings of files that cannot be read; they are counted as failures.
-UNSUPPORTED = (".glb", ".gltf", ".c3d")
+UNSUPPORTED = (".c3d",)
 
 Array = NDArray[np.float64]
 

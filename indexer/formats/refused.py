@@ -21,7 +21,7 @@ class Refused(NamedTuple):
 
 _XML = rb"(<[?!][^>]*>\s*)*"
 _SOLVE = "it holds markers and no skeleton: solve them in MotionBuilder or the program that recorded it, and export BVH"
-_RUNS = "to open one is to run what is in it"
+_TRUST = "to open one is to run what is in it; if you trust it and it holds arrays by name:"
 _SAVE = "save its joints (frames, 22, 3) in SMPL order with numpy.savez('walk.npz', joints=joints, fps=30)"
 
 # fmt: off
@@ -44,8 +44,10 @@ REFUSED = (
             rb"vocaloid motion data"),
     Refused("MD5 or SMD", (".md5anim", ".smd"), "import it in Blender onto its model, and export glTF or BVH"),
     Refused("Alembic", (".abc",), "it holds surfaces and no skeleton: export the rig that it was made with", rb"ogawa"),
-    Refused("pickle", (".pkl", ".pickle"), f"{_RUNS}; {_SAVE}, or SMPL's poses and trans likewise", is_motion=False),
-    Refused("PyTorch", (".pt", ".pth"), f"{_RUNS}; {_SAVE}, or SMPL's poses and trans likewise", is_motion=False),
+    Refused("pickle", (".pkl", ".pickle"), f"{_TRUST} numpy.savez('a.npz', **numpy.load('a.pkl', allow_pickle=True))",
+            is_motion=False),
+    Refused("PyTorch", (".pt", ".pth"), f"{_TRUST} numpy.savez('a.npz', **torch.load('a.pt', map_location='cpu'))",
+            is_motion=False),
     Refused("CSV", (".csv",), _SAVE, is_motion=False),
     Refused("ZIP", (".zip",), "unpack it", is_motion=False),
 )

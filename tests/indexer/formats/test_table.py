@@ -55,7 +55,7 @@ def test_the_content_decides_then_the_ending(name, data, ending):
         ("a.max", b"\xd0\xcf\x11\xe0", "3ds Max cannot be read; export its skeleton as FBX"),
         ("a.tak", b"\0\1", "Motive TAK cannot be read; export its skeletons as BVH or FBX from Motive"),
         ("a.abc", b"Ogawa\xff\x00", "Alembic cannot be read; it holds surfaces and no skeleton"),
-        ("a.pkl", b"\x80\x04", r"pickle cannot be read; .* numpy.savez\('walk.npz', joints=joints, fps=30\)"),
+        ("a.pkl", b"\x80\x04", r"pickle cannot be read; to open one is to run .* numpy.savez\('a.npz', \*\*numpy.load"),
         ("a.asf", b":version 1.10\n:units\n:bonedata\n", "a skeleton without motion; read the .amc files"),
         ("a.xyz", b"\x00\x01", "this kind of file cannot be read; what can be: .bvh, .amc"),
         ("a.json", b"{}", "this kind of file cannot be read"),
