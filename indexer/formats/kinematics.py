@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -61,6 +62,24 @@ def turned(axes: Axes, matrix: NDArray[np.float64]) -> Axes:
     """Frames turned by one rotation (3, 3) of their own: R <- R @ matrix."""
     x, y, z = (sum(axis * part for axis, part in zip(axes, column, strict=True) if part) for column in matrix.T)
     return x, y, z
+
+
+def from_rest(axes: Sequence[Axes], rest: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rotations (T, J, 3, 3) of joints from the rest pose, without what scales and shears them.
+
+    Parameters
+    ----------
+    axes : sequence of three float arrays (3, T)
+        Where the axes of each joint point in the world.
+    rest : float array (J, 3, 3)
+        The same in the rest pose, as columns.
+    """
+    now = np.stack([np.stack(joint, axis=-1).transpose(1, 0, 2) for joint in axes], axis=1)
+    both = [x / np.maximum(np.linalg.norm(x, axis=-2, keepdims=True), 1e-12) for x in (now, rest)]
+    left, _, right = np.linalg.svd(both[0] @ np.swapaxes(both[1], -1, -2))  # the nearest rotations
+    left[..., 2] *= np.sign(np.linalg.det(left @ right))[..., None]
+    rotations: NDArray[np.float64] = left @ right
+    return rotations
 
 
 def tips(parents: NDArray[np.int64], rest: NDArray[np.float64]) -> list[tuple[int, NDArray[np.float64]]]:

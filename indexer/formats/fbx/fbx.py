@@ -21,7 +21,7 @@ from indexer.formats.fbx.skeleton_nodes import joints_of
 from indexer.formats.fbx.stacks import ROTATION, Stack, move, read_stacks
 from indexer.formats.fbx.takes_section import read_takes_section
 from indexer.formats.fbx.world_transforms import Placed, place, with_ancestors
-from indexer.formats.kinematics import Pose, tips
+from indexer.formats.kinematics import Axes, Pose, from_rest, tips
 from indexer.take import Take
 
 Floats = NDArray[np.float64]
@@ -93,12 +93,34 @@ def _take(path: str | PathLike[str], scene: FbxScene, joints: list[int], stack: 
     names += [f"{names[leaf]}_end" for leaf, _ in ends]
     parents = np.append(parents, np.array([leaf for leaf, _ in ends], np.int64))
     rest = np.concatenate([rest, np.array([rest[leaf] + step for leaf, step in ends]).reshape(-1, 3)])
+
+    def rotations() -> Floats:
+        placed = world(scene, joints, stack, ticks)
+        turned = from_rest([_over_all(placed[at].axes, len(ticks)) for at in joints], axes)
+        return turned[:, [*range(len(joints)), *(leaf for leaf, _ in ends)]]
+
     warnings = []
     if scene.fps is None:
         warnings.append(f"the file states no frame rate: {_DEFAULT_FPS:g} frames a second are taken")
     if scene.has_constraints:
         warnings.append("constraints are not applied: only what is keyed moves")
-    return Take(tuple(names), parents, rest, positions, fps or rate, stack.name, scene.up, warnings=tuple(warnings))
+    return Take(
+        tuple(names),
+        parents,
+        rest,
+        positions,
+        fps or rate,
+        stack.name,
+        scene.up,
+        warnings=tuple(warnings),
+        rotations=rotations,
+    )
+
+
+def _over_all(axes: Axes, frames: int) -> Axes:
+    """Axes (3, T) for all frames, also where they do not change."""
+    x, y, z = (np.broadcast_to(axis, (3, frames)) for axis in axes)
+    return x, y, z
 
 
 def frame_times(path: str | PathLike[str], scene: FbxScene, joints: list[int], stack: Stack) -> Floats:

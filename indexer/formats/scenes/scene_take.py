@@ -7,7 +7,7 @@ from collections.abc import Callable, Container, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from indexer.formats.kinematics import Pose, tips
+from indexer.formats.kinematics import Pose, from_rest, tips
 from indexer.take import Take
 
 #: Frames times joints of all takes of a file, which a few bytes of keys can ask for: a gigabyte.
@@ -58,6 +58,12 @@ def scene_take(
         for row, ((leaf, _), step) in enumerate(zip(ends, steps, strict=True), start=len(names)):
             positions[row, :, block] = poses[leaf].place(step)
     tip_places = np.array([rest[leaf, :3, 3] + step for leaf, step in ends]).reshape(-1, 3)
+
+    def rotations() -> Array:
+        poses = posed(times)
+        owners = [*range(len(names)), *(leaf for leaf, _ in ends)]
+        return from_rest([pose.axes for pose in poses], rest[:, :3, :3])[:, owners]
+
     return Take(
         (*names, *(f"{names[leaf]}_end" for leaf, _ in ends)),
         np.concatenate([parents, np.array([leaf for leaf, _ in ends], np.int64)]),
@@ -66,4 +72,5 @@ def scene_take(
         fps,
         name=name,
         up=up,
+        rotations=rotations,
     )

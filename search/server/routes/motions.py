@@ -76,12 +76,18 @@ def routes(state: AppState) -> APIRouter:
         return json_response({"joints": list(JOINTS), "parents": PARENTS.tolist()})
 
     @router.get("/export", responses=_BYTES | NO_CLIP)
-    async def export(clip: ClipParam, span: SpanParams, format: Literal["bvh", "npz", "npy"] = "bvh") -> Response:
+    async def export(
+        clip: ClipParam,
+        span: SpanParams,
+        format: Literal["bvh", "glb", "npz", "npy"] = "bvh",
+        fps: Annotated[float | None, Query(ge=1, le=1000)] = None,
+        in_place: bool = False,
+    ) -> Response:
         """A motion, or a span of it, as a file."""
         folder = tempfile.TemporaryDirectory(prefix="motionseek-")
         try:
             out = Path(folder.name) / f"cut.{format}"
-            path = await state.run_slow(lambda: _write(state.source(clip), out, *span))
+            path = await state.run_slow(lambda: _write(state.source(clip), out, *span, fps, in_place))
         except BaseException:
             folder.cleanup()
             raise
@@ -107,9 +113,11 @@ def _cut(state: AppState, ref: str, start: float, end: float | None) -> tuple[Mo
     return cut, origin + min(round(max(start - origin, 0.0) * cut.fps), frames - 1) / cut.fps
 
 
-def _write(source: MotionSource, out: Path, start: float | None, end: float | None) -> str:
+def _write(
+    source: MotionSource, out: Path, start: float | None, end: float | None, fps: float | None, in_place: bool
+) -> str:
     """Write a span of a motion as a file; the motion's path."""
-    write_cut(source, out, start, end)
+    write_cut(source, out, start, end, fps=fps, in_place=in_place)
     return source.path
 
 

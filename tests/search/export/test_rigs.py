@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from encoders.errors import MotionSeekWarning, QueryError
 from encoders.motion import Motion
@@ -16,7 +17,9 @@ from search.export.cut import write_cut
 from search.library import Library
 from search.source import MotionSource
 from tests.conftest import ROOT
-from tests.indexer.performances import Z_UP, bvh, performance
+from tests.indexer.formats import fbx_writer as fbx
+from tests.indexer.formats.gltf_files import asset_of
+from tests.indexer.performances import Z_UP, Performance, bvh, performance
 from tests.search.export.test_generations import MOTIONS
 
 AMC = ROOT / "search" / "demo_data" / "session_01.amc"
@@ -68,7 +71,7 @@ def test_joints_that_slide_keep_their_way(tmp_path: Path) -> None:
 def test_a_motion_on_the_rig_of_another_file(name: str, like: str, tmp_path: Path) -> None:
     acted = performance("mixamo" if " " in like else like)
     if like == "Z up":
-        acted = acted.transformed(Z_UP.T)
+        acted = acted.transformed(Z_UP)
     (tmp_path / "like.bvh").write_text(_along_x(acted) if like == "along x" else bvh(acted, unit=100))
     motion = _as_read_from_a_rig(MOTIONS[name](), tmp_path)
     frames, fps = write_cut(MotionSource.of_motion(motion), tmp_path / "out.bvh", rig=tmp_path / "like.bvh")
@@ -86,7 +89,7 @@ def _as_read_from_a_rig(motion: Motion, folder: Path) -> Motion:
     return load_motion(folder / "read.bvh")
 
 
-def _along_x(acted) -> str:
+def _along_x(acted: Performance) -> str:
     """The performance on a rig whose bones all lie along +X at rest, as solvers write them."""
     from encoders.geometry import rotation_between
 
@@ -102,7 +105,7 @@ def _along_x(acted) -> str:
         local[:, joint] = above.T @ acted.rotations[:, joint] @ turned[joint]
         if parent >= 0:
             offsets[joint] = above.T @ acted.offsets[joint]
-    return bvh(type(acted)(acted.names, acted.parents, offsets, local, acted.root, acted.fps), unit=100)
+    return bvh(Performance(acted.names, acted.parents, offsets, local, acted.root, acted.fps), unit=100)
 
 
 @pytest.mark.parametrize("ending", [".bvh", ".glb", ".npz"])
@@ -126,7 +129,7 @@ def test_in_place_the_hips_stay_over_one_spot(ending: str, tmp_path: Path) -> No
 
 
 def test_a_rig_of_a_file_stays_in_place(tmp_path: Path) -> None:
-    (tmp_path / "in.bvh").write_text(bvh(performance("mixamo").transformed(Z_UP.T)))
+    (tmp_path / "in.bvh").write_text(bvh(performance("mixamo").transformed(Z_UP)))
     source = MotionSource.of_file(tmp_path / "in.bvh")
     write_cut(source, tmp_path / "out.bvh", in_place=True)
     again = load_motion(tmp_path / "out.bvh")
@@ -163,3 +166,40 @@ def test_a_source_that_is_gone_or_has_changed_is_said(tmp_path: Path, tiny_bundl
                 written = library.export(f"{name}.bvh", tmp_path / f"{name}.bvh")
             assert "pelvis" in read_take(written).names
         assert "mixamorig:Hips" in read_take(library.export("same.bvh", tmp_path / "same.bvh")).names
+
+
+def _fbx(acted: Performance) -> bytes:
+    """A performance as FBX, Z up, whose joints have rotations before their own."""
+    before = np.tile([20.0, -10.0, 30.0], (len(acted.names), 1))
+    times = np.arange(len(acted.root)) / acted.fps
+    frames = Rotation.from_euler("xyz", before, degrees=True).as_matrix()
+    nodes, moves = [], {}
+    for joint, (name, parent) in enumerate(zip(acted.names, acted.parents, strict=True)):
+        above = frames[parent].T if parent >= 0 else np.eye(3)
+        offset = above @ acted.offsets[joint]
+        # The rotation before takes what the parent's leaves, so that a joint's axes are its own frame at rest.
+        at_rest = Rotation.from_matrix(above @ frames[joint]).as_euler("xyz", degrees=True)
+        properties = {"Lcl Translation": offset.tolist(), "PreRotation": at_rest.tolist(), "RotationActive": 1}
+        nodes.append(fbx.Node(name, parent=acted.names[parent] if parent >= 0 else "", properties=properties))
+        turns = frames[joint].T @ acted.rotations[:, joint] @ frames[joint]
+        angles = np.degrees(np.unwrap(Rotation.from_matrix(turns).as_euler("xyz"), axis=0))
+        moves[name, "Lcl Rotation"] = {axis: fbx.Keys(times, angles[:, k]) for k, axis in enumerate("XYZ")}
+    moves[acted.names[0], "Lcl Translation"] = {axis: fbx.Keys(times, acted.root[:, k]) for k, axis in enumerate("XYZ")}
+    settings = {"UpAxis": 2, "UpAxisSign": 1, "UnitScaleFactor": 100.0, "TimeMode": 6}
+    return fbx.binary(fbx.scene(nodes, [fbx.Stack("Walk", [fbx.Layer(moves)])], settings=settings))
+
+
+@pytest.mark.parametrize("ending", [".fbx", ".glb"])
+def test_a_scene_becomes_a_bvh_of_its_own_skeleton_and_rate_with_y_up(ending: str, tmp_path: Path) -> None:
+    acted = performance("mixamo", frames=60, fps=30.0)
+    is_fbx = ending == ".fbx"
+    data = _fbx(acted.transformed(Z_UP)) if is_fbx else asset_of(acted).glb()
+    (tmp_path / f"in{ending}").write_bytes(data)
+    source = MotionSource.of_file(tmp_path / f"in{ending}")
+    _, fps = write_cut(source, tmp_path / "out.bvh")
+    whole, written = read_take(tmp_path / f"in{ending}"), read_take(tmp_path / "out.bvh")
+    assert (fps, written.fps) == (30.0, 30.0)
+    ours, theirs = _shared(written, whole)
+    np.testing.assert_allclose(ours, theirs @ (Z_UP if is_fbx else np.eye(3)), atol=2e-4)
+    assert _off(load_motion(tmp_path / "out.bvh"), source.motion) < 0.1
+    assert (tmp_path / "out.bvh").read_text().count("CHANNELS 6") == 1

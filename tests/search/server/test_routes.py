@@ -122,7 +122,7 @@ def test_unknown_parameters_are_refused_by_name(client, url, unknown):
         ("/api/search?q=walks&k=201", "k: must be 200 or less"),
         ("/api/search?q=walks&min_duration=x", "min_duration: must be a number"),
         ("/api/search?q=walks&captioned=maybe", "captioned: must be true or false"),
-        ("/api/export?clip=1&format=fbx", "format: must be 'bvh', 'npz' or 'npy'"),
+        ("/api/export?clip=1&format=fbx", "format: must be 'bvh', 'glb', 'npz' or 'npy'"),
     ],
 )
 def test_the_error_says_what_a_parameter_must_be(client, url, said):
