@@ -60,6 +60,12 @@ def vocabulary() -> Vocabulary:
     return Vocabulary(sides, stems, *(frozenset(data[key]) for key in ("ignored", "ends", "affixes")))
 
 
+def name_words(name: str) -> list[str]:
+    """The words and numbers of a joint name in lower case, without its namespace."""
+    plain = unicodedata.normalize("NFKC", re.split(r"[:|]", name)[-1])
+    return [token.lower() for token in _TOKEN.findall(plain)]
+
+
 @lru_cache(maxsize=4096)
 def parse_joint_name(name: str) -> JointName:
     """Side and possible roles of a joint name.
@@ -70,8 +76,7 @@ def parse_joint_name(name: str) -> JointName:
     words_of = vocabulary()
     if name.startswith("__"):  # connectors that MakeHuman puts between a joint and its branches
         return JointName("", {}, False)
-    plain = unicodedata.normalize("NFKC", re.split(r"[:|]", name)[-1])
-    tokens = [token.lower() for token in _TOKEN.findall(plain)]
+    tokens = name_words(name)
     side = next((words_of.sides[token] for token in tokens if token in words_of.sides), "")
     words = [token for token in tokens if token not in words_of.sides and not token.isdigit()]
     is_tip = bool(words) and words[-1] in words_of.ends

@@ -13,6 +13,7 @@ from encoders.geometry import angle_between, interpolate
 from encoders.motion import FPS, Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS
 from indexer.read_motion import Reading
+from indexer.rigs.human import check_human
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import SIDES, RigMap, map_rig
 from indexer.rigs.orientation import orientation
@@ -76,9 +77,13 @@ def retarget_with_reading(
     ------
     UnknownRig
         Where hips, knees, ankles, shoulders, elbows, wrists or the head cannot be found.
+    UnreadableMotion
+        Where it is no person, or has no body's shape.
     """
     take = take if joint_map else as_own_rig(take)
     rig = map_rig(take, path, joint_map)
+    if not joint_map:
+        check_human(take, rig, path)
     rate = fps or take.fps or FPS
     _check_duration(path, len(take.positions) / rate)
     landmarks, rest = Landmarks.of(take.positions, rig), Landmarks.of(take.rest[None], rig)
