@@ -131,7 +131,8 @@ def _repaired(path: str | PathLike[str], layout: list[tuple[str, int]], body: by
     if not any(is_whole):
         raise UnreadableMotion(path, "the file holds no whole frame")
     whole = _table(layout, b"\n".join(piece for piece, fits in zip(pieces, is_whole, strict=False) if fits))
-    assert whole is not None
+    if whole is None:
+        raise UnreadableMotion(path, "its frames hold characters that are neither words nor numbers")
     table = np.full((len(is_whole), width - len(layout)), np.nan)
     table[is_whole] = whole
     return table, cut
