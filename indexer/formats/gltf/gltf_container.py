@@ -9,7 +9,7 @@ import re
 import struct
 from os import PathLike
 from pathlib import Path, PureWindowsPath
-from typing import Any
+from typing import Any, cast
 from urllib.parse import unquote_to_bytes
 
 from encoders.errors import UnreadableMotion
@@ -35,6 +35,7 @@ class Document:
         self.path = path
         text, self._chunk = _chunks(path, data) if data[:4] == _MAGIC else (data, None)
         self.json = _parse(path, text)
+        self._lists: set[int] = set()  # identities of lists in the JSON that hold only objects
         version = str(self.row(self.json, "asset").get("version", ""))
         if not version.startswith("2."):
             raise self.error(f"glTF {version[:10] or 'of no version'} is not read, only 2.0; export it again as 2.0")
@@ -58,10 +59,14 @@ class Document:
 
     def rows(self, owner: dict[str, Any], key: str) -> list[dict[str, Any]]:
         """The list of objects under a key; empty where there is none."""
-        value = owner.get(key, [])
-        if not isinstance(value, list) or not all(isinstance(item, dict) for item in value):
-            raise self.damaged(f"{key!r} is no list of objects")
-        return value
+        if key not in owner:
+            return []
+        value = owner[key]
+        if id(value) not in self._lists:  # a list of accessors is asked for once by each of them
+            if not isinstance(value, list) or not all(isinstance(item, dict) for item in value):
+                raise self.damaged(f"{key!r} is no list of objects")
+            self._lists.add(id(value))
+        return cast("list[dict[str, Any]]", value)
 
     def whole(self, owner: dict[str, Any], key: str, default: int | None = None) -> int:
         """The number under a key, not negative and no fraction."""

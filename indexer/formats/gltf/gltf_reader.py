@@ -93,7 +93,8 @@ def _take(
     moves: dict[int, dict[str, Channel]] = {}
     for channel in channels:
         moves.setdefault(channel.node, {})[channel.target] = channel
-    joints = skeleton.moved_by(tree, moves)
+    joints = skeleton.moved_by(moves, tree, needed)
+    row_of = {joint: row for row, joint in enumerate(joints)}
     locals_ = {node: tree.local(node) for node in needed}
 
     def posed(at: Array) -> list[Pose]:
@@ -102,7 +103,7 @@ def _take(
 
     return scene_take(
         [skeleton.names[joint] for joint in joints],
-        np.array([joints.index(parent) if parent >= 0 else -1 for parent in skeleton.parents[joints].tolist()]),
+        np.array([row_of.get(parent, -1) for parent in skeleton.parents[joints].tolist()]),
         skeleton.rest[joints],
         {row for row, joint in enumerate(joints) if skeleton.joints[joint] in moves},
         posed,

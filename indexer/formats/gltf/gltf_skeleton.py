@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,16 +39,19 @@ class NodeSkeleton:
     names: tuple[str, ...]
     rest: Array
 
-    def moved_by(self, tree: NodeTree, nodes: Container[int]) -> list[int]:
-        """Numbers of the joints in those trees of the skeleton that some of `nodes` move."""
+    def moved_by(self, nodes: Container[int], tree: NodeTree, needed: Iterable[int]) -> list[int]:
+        """Numbers of the joints in those trees of the skeleton that some of `nodes` move or carry.
+
+        `needed` are the joints' nodes and all above them, parents first.
+        """
+        carried: set[int] = set()
+        for node in needed:
+            if node in nodes or tree.parents[node] in carried:
+                carried.add(node)
         root = np.arange(len(self.joints))
         for joint, parent in enumerate(self.parents.tolist()):
             root[joint] = root[parent] if parent >= 0 else joint
-        moving = {
-            int(root[joint])
-            for joint, node in enumerate(self.joints)
-            if node in nodes or (root[joint] == joint and any(above in nodes for above in tree.above(node)))
-        }
+        moving = {int(root[joint]) for joint, node in enumerate(self.joints) if node in carried}
         return [joint for joint in range(len(root)) if int(root[joint]) in moving]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import struct
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -475,6 +476,15 @@ def test_joints_and_animations_are_bounded(tmp_path: Path) -> None:
     asset.json["skins"][0]["joints"] += [len(ACTED.names)]
     with pytest.raises(UnreadableMotion, match="more than 4096 joints"):
         read(asset.glb(), tmp_path)
+
+
+def test_many_accessors_take_no_time_for_each_other(tmp_path: Path) -> None:
+    asset = asset_of(ACTED)
+    asset.json["accessors"] += [{}] * 500_000
+    asset.json["animations"] *= 20
+    began = time.perf_counter()
+    assert len(read(asset.glb(), tmp_path)) == 20
+    assert time.perf_counter() - began < 5  # some 1,300 accessors are read
 
 
 @pytest.mark.parametrize("seed", range(150))
