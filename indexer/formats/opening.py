@@ -10,8 +10,8 @@ from indexer.formats.decoding import decoded
 MAX_BYTES = 4 << 30
 
 
-def read_bytes(path: Path, *, max_bytes: int = MAX_BYTES) -> bytes:
-    """The content of a file, without gzip and in UTF-8 if it is text.
+def read_bytes(path: Path, *, max_bytes: int = MAX_BYTES, as_it_is: bool = False) -> bytes:
+    """The content of a file, without gzip and in UTF-8 if it is text, unless wanted as it is.
 
     Raises
     ------
@@ -25,7 +25,7 @@ def read_bytes(path: Path, *, max_bytes: int = MAX_BYTES) -> bytes:
             raise UnreadableMotion(path, "this is no regular file")
         if path.stat().st_size > max_bytes:
             raise UnreadableMotion(path, f"the file is larger than {max_bytes / (1 << 30):.2g} GB; cut it into takes")
-        data = decoded(path, path.read_bytes())
+        data = path.read_bytes() if as_it_is else decoded(path, path.read_bytes())
     except (OSError, ValueError) as error:
         raise UnreadableMotion(path, getattr(error, "strerror", None) or str(error)) from None
     if not data.strip():

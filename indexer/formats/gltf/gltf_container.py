@@ -125,7 +125,7 @@ class Document:
         inline = _DATA_URI.match(uri)
         if inline:
             return self._decoded(uri[inline.end() :], bool(inline["base64"]))
-        return read_bytes(self._beside(uri))
+        return read_bytes(self._beside(uri), as_it_is=True)
 
     def _decoded(self, text: str, is_base64: bool) -> bytes:
         try:

@@ -72,6 +72,15 @@ def test_a_buffer_may_be_inline_or_beside(tmp_path: Path, uri: str | None) -> No
     check(read(asset.gltf(uri), tmp_path, "a.gltf")[0], ACTED)
 
 
+@pytest.mark.parametrize("start", [b"\xff\xfe", b"\x1f\x8b", b"a\0b\0c\0d\0e\0f\0g\0h\0"])
+def test_a_buffer_that_begins_like_something_else_is_taken_as_it_is(tmp_path: Path, start: bytes) -> None:
+    asset = Asset()
+    asset.view(start)
+    one_joint(asset, "translation", np.arange(3) / 30, np.arange(9).reshape(3, 3))
+    (tmp_path / "a.bin").write_bytes(asset.data)
+    np.testing.assert_allclose(read(asset.gltf("a.bin"), tmp_path, "a.gltf")[0].positions[-1, 0], [6, 7, 8], atol=1e-4)
+
+
 @pytest.mark.parametrize(
     "uri", ["../a.bin", "/etc/passwd", "C:/a.bin", "file:///a.bin", "%2e%2e/a.bin", "..\\a.bin", ""]
 )
