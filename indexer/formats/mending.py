@@ -85,10 +85,14 @@ def _damaged(positions: NDArray[np.float64]) -> NDArray[np.bool_]:
         if damaged.all():
             return damaged
         size = float(np.median(extent[~damaged]))
-        damaged |= extent > _APART * size
+        apart = np.asarray(extent > _APART * size)
+        if not is_hopeless(apart):  # else that is how this skeleton is
+            damaged |= apart
         middle = (low + high) / 2
     whole = (~damaged).nonzero()[0]
-    damaged[whole] = _away(middle[whole], size)
+    away = _away(middle[whole], size)
+    if not is_hopeless(away):
+        damaged[whole] = away
     return damaged
 
 

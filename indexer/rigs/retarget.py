@@ -18,6 +18,7 @@ from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import SIDES, RigMap, map_rig
 from indexer.rigs.orientation import orientation
 from indexer.rigs.own_rig import as_own_rig
+from indexer.rigs.rate_plausibility import rate_warnings
 from indexer.rigs.rebuild import ARM, LEG, build, rebuild
 from indexer.rigs.rest_pose import rest_pose_correction
 from indexer.rigs.up_axis import up_axis
@@ -105,6 +106,7 @@ def retarget_with_reading(
     stored = joints.astype(np.float32)
     if not np.isfinite(stored).all():
         raise UnreadableMotion(path, "its values are too large to be places of joints")
+    motion = Motion(stored, FPS)
     reading = Reading(
         take=take.name,
         up=up.axis,
@@ -112,9 +114,9 @@ def retarget_with_reading(
         start=posing / rate,
         source_fps=rate,
         source_frames=len(take.positions),
-        warnings=take.warnings,
+        warnings=(*take.warnings, *rate_warnings(motion, rate)),
     )
-    return Motion(stored, FPS), reading
+    return motion, reading
 
 
 def _check_duration(path: str | PathLike[str], seconds: float) -> None:
