@@ -60,8 +60,8 @@ def file_state(library: StoredLibrary, clip: int, place: Path) -> str:
     try:
         file = _scanned(split_name(place)[0].resolve())
         same = row is None or (file.size, file.mtime_ns) == row[:2] or file.hash(place.resolve().parent) == row[2]
-    except OSError:
-        return "is gone since it was indexed"
+    except OSError:  # what lies in an archive is looked for by its reader
+        return "" if any(above.is_file() for above in place.parents) else "is gone since it was indexed"
     return "" if same else "has changed since it was indexed"
 
 
