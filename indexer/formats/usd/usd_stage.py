@@ -53,9 +53,9 @@ def opened_stage(path: str | PathLike[str], data: bytes) -> Iterator[Any]:
 
 @contextmanager
 def _on_disk(path: Path, data: bytes) -> Iterator[Path]:
-    """The file itself, or a copy of it where it is no file, as a member of an archive, or is called otherwise."""
+    """The file itself, or a copy of what it holds where it is packed, a member of an archive, or called otherwise."""
     ending = path.suffix.lower()
-    if ending in ENDINGS and path.is_file():
+    if ending in ENDINGS and path.is_file() and path.stat().st_size == len(data):
         yield Path(os.path.abspath(path))
         return
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:

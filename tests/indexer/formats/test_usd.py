@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gzip
 import re
 import subprocess
 import sys
@@ -97,6 +98,11 @@ def test_binary_layers_and_packages(tmp_path: Path, ending: str) -> None:
     check(read_takes(path)[0])
     (tmp_path / f"other{'.bin' if ending != '.usdz' else ending}").write_bytes(path.read_bytes())
     check(read_takes(next(tmp_path.glob("other*")))[0])
+
+
+def test_a_packed_layer_is_unpacked(tmp_path: Path) -> None:
+    (tmp_path / "a.usda").write_bytes(gzip.compress(usda(ACTED).encode()))
+    check(read_takes(tmp_path / "a.usda")[0])
 
 
 LAYER = "#usda 1.0\n(\n    subLayers = [@{}@]\n    timeCodesPerSecond = 24\n)\n"
