@@ -89,6 +89,14 @@ def replace_of_clip(
         _record_change(db)
 
 
+def forget(db: sqlite3.Connection, clip_id: int) -> None:
+    """Remove the captions of a clip; those of a side file wait for a clip to come back to its path."""
+    if _count_shown(db, "clip_id", clip_id):
+        _record_change(db)
+    db.execute("DELETE FROM captions WHERE clip_id = ? AND side_file_id IS NULL", (clip_id,))
+    db.execute("UPDATE captions SET clip_id = NULL WHERE clip_id = ?", (clip_id,))
+
+
 def remove_side_files(db: sqlite3.Connection, side_file_ids: Iterable[int]) -> None:
     """Remove the captions of side files that have vanished.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 import struct
 import zlib
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.errors import LibraryDamaged
-from encoders.motion import FPS
+from encoders.motion import FPS, Motion
 from encoders.skeleton import JOINTS
 
 #: Frames a chunk holds: ten seconds.
@@ -60,6 +61,21 @@ def unpack(blob: bytes) -> NDArray[np.float32]:
     change = np.frombuffer(raw, np.uint8).reshape(2, -1).T.copy().view("<i2").reshape(frames, -1)
     steps = np.cumsum(change, axis=0, dtype=np.int16).reshape(frames, len(JOINTS), 3)
     return np.asarray(steps * step + np.array(origin), np.float32)
+
+
+def read(db: sqlite3.Connection, clip_id: int) -> Motion:
+    """The motion of a clip, whether or not its file is still there.
+
+    Raises
+    ------
+    LibraryDamaged
+        If there are no poses of it, or they are damaged.
+    """
+    rows = db.execute("SELECT data FROM poses WHERE clip_id = ? ORDER BY chunk", (clip_id,))
+    joints = [unpack(data) for (data,) in rows]
+    if not joints:
+        raise LibraryDamaged(f"clip #{clip_id} has no stored poses; run 'motionseek check --repair'")
+    return Motion(np.concatenate(joints), FPS)
 
 
 def pack_all(joints: NDArray[np.float32]) -> list[bytes]:

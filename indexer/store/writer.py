@@ -163,23 +163,39 @@ class Writer:
         return [clip_id for clip_id, _ in ids]
 
     def _drop_others(self, file_id: int, kept: Sequence[int]) -> None:
-        """Drop the clips of a file that are not among those kept.
+        """Drop the clips of a file that are not among those kept."""
+        rows = self.connection.execute("SELECT id FROM clips WHERE file_id = ?", (file_id,)).fetchall()
+        for (clip_id,) in rows:
+            if clip_id not in kept:
+                self._drop(clip_id)
 
-        Their rows stay, as of a file that has vanished, so that vector indexes learn that they went.
+    def _drop(self, clip_id: int) -> None:
+        """Drop a clip with its poses and vectors.
+
+        Its row stays, as of a file that has vanished, so that vector indexes learn that it went.
         """
         db = self.connection
-        rows = db.execute("SELECT id, clip_path FROM clips WHERE file_id = ?", (file_id,)).fetchall()
-        for clip_id, path in rows:
-            if clip_id in kept:
-                continue
-            gone = db.execute(
-                "INSERT INTO files(root_id, path, size, mtime_ns, hash, recipe, state) "
-                "SELECT root_id, ?, 0, 0, '', recipe, ? FROM files WHERE id = ?",
-                (path, GONE, file_id),
-            ).lastrowid
-            for table in ("poses", "embeddings", "windows"):
-                db.execute(f"DELETE FROM {table} WHERE clip_id = ?", (clip_id,))
-            db.execute("UPDATE clips SET file_id = ?, generation = ? WHERE id = ?", (gone, self._generation, clip_id))
+        gone = db.execute(
+            "INSERT INTO files(root_id, path, size, mtime_ns, hash, recipe, state) "
+            "SELECT root_id, clip_path, 0, 0, '', recipe, ? FROM clips JOIN files ON files.id = file_id "
+            "WHERE clips.id = ?",
+            (GONE, clip_id),
+        ).lastrowid
+        for table in ("poses", "embeddings", "windows"):
+            db.execute(f"DELETE FROM {table} WHERE clip_id = ?", (clip_id,))
+        db.execute("UPDATE clips SET file_id = ?, generation = ? WHERE id = ?", (gone, self._generation, clip_id))
+
+    def forget(self, clip_ids: Iterable[int]) -> list[str]:
+        """Drop clips with the captions that no file holds; their paths. Their files, where they are there, are new."""
+        db, paths = self.connection, []
+        for clip_id in clip_ids:
+            path, file_id = db.execute("SELECT clip_path, file_id FROM clips WHERE id = ?", (clip_id,)).fetchone()
+            self._drop(clip_id)
+            captions.forget(db, clip_id)
+            db.execute("UPDATE files SET hash = '', size = -1 WHERE id = ?", (file_id,))
+            db.execute("DELETE FROM files WHERE id = ? AND id NOT IN (SELECT file_id FROM clips)", (file_id,))
+            paths.append(path)
+        return paths
 
     def add_array(
         self, item: ArrayItem, read: ReadMotion, rows: Sequence[CaptionRow], vectors: ClipVectors, model_id: int
@@ -215,6 +231,13 @@ class Writer:
     def put_vectors(self, clip_id: int, vectors: ClipVectors, model_id: int) -> None:
         """Store a clip's vectors under a model."""
         clip_vectors.insert(self.connection, clip_id, model_id, vectors)
+
+    def replace_vectors(self, clip_id: int, vectors: ClipVectors, model_id: int) -> None:
+        """Store a clip's vectors under a model in place of what there was."""
+        for table in ("embeddings", "windows"):
+            self.connection.execute(f"DELETE FROM {table} WHERE clip_id = ? AND model_id = ?", (clip_id, model_id))
+        self.put_vectors(clip_id, vectors, model_id)
+        self.connection.execute("UPDATE clips SET generation = ? WHERE id = ?", (self._generation, clip_id))
 
     def _put_content(self, clip_id: int, motion: Motion, vectors: ClipVectors, model_id: int) -> None:
         """Store poses and vectors in place of what there was."""

@@ -28,6 +28,8 @@ COMMANDS = {
     "render": "search.cli.commands.render",
     "serve": "search.cli.commands.serve",
     "status": "search.cli.commands.status",
+    "check": "search.cli.commands.maintenance",
+    "forget": "search.cli.commands.maintenance",
     "list": "search.cli.commands.list",
     "evaluate": "search.cli.commands.evaluate",
     "model": "search.cli.commands.model",

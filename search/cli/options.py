@@ -78,6 +78,27 @@ def filters(command: F) -> F:
     return command
 
 
+def library_of(place: str | None, folder: str | None) -> Path:
+    """The library folder of a command that takes FOLDER or --library; see `search.cli.locate.locate`.
+
+    Raises
+    ------
+    LibraryNotFound
+        If there is none.
+    """
+    from encoders.errors import LibraryNotFound
+    from indexer.store.stored_library import library_folder
+    from search.cli.locate import locate
+
+    if place is not None and folder is not None:
+        raise click.UsageError("FOLDER and --library cannot be combined")
+    given = locate(place or folder)
+    found = library_folder(given)
+    if found is None:
+        raise LibraryNotFound(f"{given}: no library here; make one with 'motionseek index {given}'")
+    return found.resolve()
+
+
 def open_library(folder: str | None) -> Library:
     """Open the library of a command; see `search.cli.locate.locate`."""
     from search.cli.locate import locate

@@ -1,0 +1,1 @@
+"""Check a library, mend it, and forget what it need not keep."""

@@ -1,0 +1,106 @@
+"""Salvage: whatever rows of a damaged database can still be read, in a new one put in its place."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing, suppress
+from pathlib import Path
+from typing import Any
+
+from encoders.errors import LibraryError
+from indexer.store import digests, schema
+from indexer.store.stored_library import FILE
+
+#: What a damaged database is renamed to.
+DAMAGED = f"{FILE}.damaged"
+#: Rows read at once.
+_ROWS = 200
+#: Tables in the order in which rows may name each other.
+_TABLES = ("settings", "generations", *digests.COVERED)
+
+
+def salvage(folder: Path) -> bool:
+    """Put a sound database in the place of a damaged one, with all rows that can be read; the old one is kept beside.
+
+    Returns
+    -------
+    bool
+        Whether any row could be read.
+
+    Raises
+    ------
+    LibraryError
+        If the folder cannot be written.
+    """
+    fresh, old = folder / f"{FILE}.new", folder / FILE
+    try:
+        _remove(fresh)
+        with closing(schema.connect(fresh, writable=True)) as target:
+            schema.migrate(target)
+            with suppress(sqlite3.DatabaseError, LibraryError), closing(schema.connect(old, writable=False)) as source:
+                for table in _TABLES:
+                    _copy(source, target, table)
+            _make_consistent(target)
+            (count,) = target.execute("SELECT count(*) FROM files").fetchone()
+            target.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        for suffix in ("-wal", "-shm"):
+            with suppress(FileNotFoundError):
+                os.replace(folder / f"{FILE}{suffix}", folder / f"{DAMAGED}{suffix}")
+        os.replace(old, folder / DAMAGED)
+        os.replace(fresh, old)
+        _remove(fresh)
+    except OSError as error:
+        raise LibraryError(f"{folder}: cannot be written ({error.strerror})") from error
+    return bool(count)
+
+
+def _remove(file: Path) -> None:
+    for suffix in ("", "-wal", "-shm"):
+        file.with_name(file.name + suffix).unlink(missing_ok=True)
+
+
+def _copy(source: sqlite3.Connection, target: sqlite3.Connection, table: str) -> None:
+    """Copy the rows of a table: from its beginning to the first damage, and from its end to the last."""
+    columns = [row[1] for row in target.execute(f"PRAGMA table_info({table})")]
+    with suppress(sqlite3.DatabaseError):
+        held = {row[1] for row in source.execute(f"PRAGMA table_info({table})")}
+        columns = [column for column in columns if column in held] or columns
+    named = ", ".join(f'"{column}"' for column in columns)
+    insert = f"INSERT OR REPLACE INTO {table}(rowid, {named}) VALUES ({', '.join('?' * (len(columns) + 1))})"
+    target.execute("PRAGMA foreign_keys=OFF")
+    for order in ("ASC", "DESC"):
+        with schema.transaction(target), suppress(sqlite3.DatabaseError):
+            for row in _rows(source, f"SELECT rowid, {named} FROM {table}", order):
+                with suppress(sqlite3.DatabaseError):  # a row that damage has made unlike any that was written
+                    target.execute(insert, row)
+            return
+
+
+def _rows(source: sqlite3.Connection, query: str, order: str) -> Iterator[Any]:
+    """Rows in order of their numbers, up to one that cannot be read."""
+    last, sign = (-(2**63), ">") if order == "ASC" else (2**63 - 1, "<")
+    while True:
+        page = f"{query} WHERE rowid {sign} ? ORDER BY rowid {order} LIMIT {_ROWS}"
+        count = 0
+        for row in source.execute(page, (last,)):
+            last, count = row[0], count + 1
+            yield row
+        if count < _ROWS:
+            return
+
+
+def _make_consistent(target: sqlite3.Connection) -> None:
+    """Remove the rows that name others that are lost, and find out the settings from what there is."""
+    with schema.transaction(target):
+        while broken := target.execute("PRAGMA foreign_key_check").fetchall():
+            for table, rowid, *_ in broken:
+                target.execute(f"DELETE FROM {table} WHERE rowid = ?", (rowid,))
+        (newest,) = target.execute("SELECT coalesce(max(generation), 0) FROM clips").fetchone()
+        target.execute("UPDATE settings SET value = max(value, ?) + 1 WHERE key = 'generation'", (newest,))
+        target.execute(
+            "INSERT OR REPLACE INTO generations SELECT value, random() FROM settings WHERE key = 'generation'"
+        )
+        for table in ("clips", "texts"):
+            target.execute(f"INSERT INTO {table}_fts({table}_fts) VALUES ('rebuild')")

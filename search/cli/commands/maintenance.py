@@ -1,0 +1,93 @@
+"""`motionseek check` and `forget`: whether a library holds what was written, mending it, and removing clips."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from search.cli import options
+
+if TYPE_CHECKING:
+    from indexer.maintenance.check import Fault
+
+
+@click.command()
+@click.argument("place", metavar="[FOLDER]", required=False, type=click.Path(exists=True, file_okay=False))
+@click.option("--repair", is_flag=True, help="Mend what can be made again, from the poses or from the files.")
+@click.option("--sources", is_flag=True, help="Also read every source file, and name those that have changed or gone.")
+@options.library
+@options.as_json
+def check(place: str | None, repair: bool, sources: bool, folder: str | None, as_json: bool) -> int:
+    """Check the library of FOLDER: all that it holds against what was written.
+
+    Without FOLDER, checks the nearest library here or in a parent folder. The exit code is 1 if anything is wrong, or
+    with --repair if anything is left that cannot be mended.
+
+    \b
+    Examples:
+      motionseek check my_mocap/
+      motionseek check my_mocap/ --repair
+    """
+    from indexer.maintenance import check as checks
+    from indexer.maintenance.repair import repair as mend
+    from search.cli import terminal
+    from search.cli.commands.index import progress_bar
+
+    library = options.library_of(place, folder)
+    found = checks.check(library, sources=sources)
+    faults = found.faults
+    if repair and faults:
+        from encoders.bundle.bundle import Bundle
+
+        with progress_bar() as progress:
+            faults = mend(library, Bundle.load(), progress=progress)
+        faults += checks.check(library, sources=True).faults if sources and not faults else []
+    if as_json:
+        terminal.document({"found": _records(found.faults), "left": _records(faults), "unchecked": found.unchecked})
+        return int(bool(faults))
+    for fault in found.faults:
+        state = "" if not repair else " (cannot be mended)" if fault in faults else " (mended)"
+        terminal.note(f"{fault.what}: {fault.problem}{state}")
+    for fault in faults:
+        if fault not in found.faults:
+            terminal.note(f"{fault.what}: {fault.problem}")
+    if found.unchecked:
+        terminal.note(f"{found.unchecked} rows were written by an earlier version, without digests to compare")
+    hint = "" if repair or not faults else "; motionseek check --repair mends what can be made again"
+    print((f"{len(faults)} faults{' left' if repair else ''}" if faults else "nothing is wrong") + hint)
+    return int(bool(faults))
+
+
+@click.command()
+@click.argument("clips", metavar="[CLIP]...", nargs=-1)
+@click.option("--gone", is_flag=True, help="Forget all clips whose files have gone.")
+@options.library
+@options.as_json
+def forget(clips: tuple[str, ...], gone: bool, folder: str | None, as_json: bool) -> None:
+    """Remove CLIP from the library, with its poses, vectors and captions. No file is touched.
+
+    CLIP is a path, a name or '#number', of a clip whose file has gone, too. A clip whose file is still there comes back
+    when its folder is indexed again.
+
+    \b
+    Examples:
+      motionseek forget old/take_003.bvh
+      motionseek forget --gone
+    """
+    from indexer.maintenance import forget as forgetting
+    from search.cli import terminal
+
+    if not clips and not gone:
+        raise click.UsageError("name a clip, or give --gone")
+    forgotten = forgetting.forget(options.library_of(None, folder), clips, gone=gone)
+    if as_json:
+        terminal.document({"forgotten": forgotten})
+        return
+    for path in forgotten:
+        terminal.note(f"forgotten: {path}")
+    print(f"{len(forgotten)} forgotten")
+
+
+def _records(faults: list[Fault]) -> list[dict[str, str]]:
+    return [fault._asdict() for fault in faults]
