@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from difflib import get_close_matches
 from os import PathLike, fspath
-from os.path import exists, isdir, isfile
+from os.path import abspath, exists, isdir
 from pathlib import Path
 from typing import Any, TypeAlias
 from unicodedata import normalize
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from encoders.arguments import checked_path
 from encoders.errors import ArgumentError, QueryError, UnknownClip, UnreadableMotion
 from encoders.motion import Motion
+from indexer.formats.opening import is_file
 from indexer.formats.reading import split_name
 from indexer.part_names import splits, with_part
 from indexer.store.clips import Clip
@@ -110,10 +111,10 @@ def find_clip(library: StoredLibrary, ref: str | PathLike[str]) -> Clip | None:
         If it is neither.
     """
     file, part = split_name(ref)
-    if not isfile(file):
+    if not is_file(file):
         return library.find(ref)
     try:
-        return library.find(with_part(str(file.resolve()), part))
+        return library.find(with_part(abspath(file), part))
     except UnknownClip:
         return None
 
@@ -136,7 +137,7 @@ def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps:
     if isdir(ref) and (library is None or not library.matches(ref)):
         raise UnreadableMotion(ref, "this is a folder; name a file in it, or a clip of a library by path, name or #id")
     if library is None:
-        if not exists(split_name(ref)[0]):
+        if not exists(ref) and not is_file(split_name(ref)[0]):
             raise UnreadableMotion(ref, "there is no such file, and no library is given that could hold such a clip")
         return MotionSource.of_file(ref, fps=fps)
     try:

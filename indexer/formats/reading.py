@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from os import PathLike, fspath
-from os.path import exists, isfile
+from os.path import exists
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from encoders.errors import UnreadableMotion
 from indexer.formats import table
 from indexer.formats.mending import mended
-from indexer.formats.opening import read_bytes
+from indexer.formats.opening import is_file, open_file, read_bytes
 from indexer.part_names import splits
 from indexer.take import Take
 
@@ -65,15 +65,15 @@ def read_take(path: str | PathLike[str], *, fps: float | None = None) -> Take:
 def split_name(path: str | PathLike[str]) -> tuple[Path, str]:
     """A path as a file and the name of a take in it; the name is empty where there is such a file, or no `#`."""
     whole = fspath(path)
-    if exists(whole):
+    if exists(whole) or is_file(Path(whole)):
         return Path(whole), ""
-    return next(((Path(file), name) for file, name in splits(whole) if isfile(file)), (Path(whole), ""))
+    return next(((Path(file), name) for file, name in splits(whole) if is_file(Path(file))), (Path(whole), ""))
 
 
 def is_of_format(path: Path, ending: str) -> bool:
     """Whether a file that exists is of the format with an ending, by its content."""
     try:
-        with path.open("rb") as file:
+        with open_file(path) as file:
             return table.detect(path, file.read(table.COMPANION_START)).ending == ending
     except (OSError, UnreadableMotion):
         return False

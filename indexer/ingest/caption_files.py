@@ -7,14 +7,16 @@ columns path, text, start, end (seconds) and fps, of which only the path and one
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 import posixpath
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from encoders.arguments import shown
+from indexer.formats.opening import open_file
 from indexer.store.captions import CaptionRow
 
 MAX_TEXT = 2000
@@ -41,7 +43,7 @@ def read_table(file: Path, folder: str, warn: Warn) -> list[CaptionRow]:
 def read_lines(file: Path, warn: Warn) -> list[tuple[str, float | None, float | None]]:
     """The captions (text, start, end) of a `.txt` file, one a line: plain, or HumanML3D's `text#tokens#start#end`."""
     captions = []
-    with file.open(encoding="utf-8-sig", errors="surrogateescape") as lines:
+    with _text_of(file) as lines:
         for number, line in enumerate(lines, start=1):
             if number > MAX_LINES:
                 warn(f"{file}: only the first {MAX_LINES} lines are taken as captions")
@@ -55,9 +57,14 @@ def read_lines(file: Path, warn: Warn) -> list[tuple[str, float | None, float | 
     return captions
 
 
+def _text_of(file: Path, newline: str | None = None) -> TextIO:
+    """Open a file as text; what is no UTF-8 becomes surrogates, which are refused line by line."""
+    return io.TextIOWrapper(open_file(file), encoding="utf-8-sig", errors="surrogateescape", newline=newline)
+
+
 def _records(file: Path, warn: Warn) -> Iterator[tuple[int, Mapping[str, Any]]]:
     """The records of a table with the line each ends on."""
-    with file.open(encoding="utf-8-sig", errors="surrogateescape", newline="") as lines:
+    with _text_of(file, newline="") as lines:
         if file.suffix.lower() == ".jsonl":
             yield from _json_records(file, lines, warn)
             return

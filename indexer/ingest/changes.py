@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from unicodedata import normalize
 
-from indexer.ingest.scan import Scan
+from encoders.errors import UnreadableMotion
+from indexer.formats.opening import state
+from indexer.ingest.scan import Scan, with_companions
 from indexer.store import read_options
 from indexer.store.files import INDEXED, File, FileVersion, KnownFile
 from indexer.store.read_options import ReadOptions
@@ -53,6 +55,8 @@ class Changes:
     ----------
     read : list of FileVersion
         New and changed files.
+    refused : list of (FileVersion, reason)
+        Files that are not read because of what the archive states in which they lie.
     unread : list of (path, reason)
         Files that cannot be opened now. Nothing of them is recorded, so that they are tried again at the next run; a
         clip that is known stays as it was.
@@ -67,6 +71,7 @@ class Changes:
     """
 
     read: list[FileVersion] = field(default_factory=list)
+    refused: list[tuple[FileVersion, str]] = field(default_factory=list)
     unread: list[tuple[str, str]] = field(default_factory=list)
     moved: list[tuple[int, int, File]] = field(default_factory=list)
     touched: list[tuple[int, File]] = field(default_factory=list)
@@ -117,8 +122,15 @@ def compare(
         if old is not None and not again and (old.size, old.mtime_ns) == (file.size, file.mtime_ns):
             changes.count_as_before(old)
             continue
+        if file.refusal:
+            changes.refused.append((FileVersion(root_id, file, "", options), file.refusal))
+            continue
         try:
-            source = FileVersion(root_id, file, file.hash(root), options)
+            seen = file.look(root)
+            source = FileVersion(root_id, file, file.hash(root), options, seen)
+        except UnreadableMotion as error:
+            changes.refused.append((FileVersion(root_id, file, "", options), error.reason))
+            continue
         except OSError as error:
             changes.unread.append((file.path, (error.strerror or str(error)).lower()))
             continue
@@ -154,10 +166,10 @@ def _origin(
     options : callable
         The options for the file, given those it was read with before.
     """
-    for file_id, root_id, path, state, before in writer.same_content(source.hash):
+    for file_id, root_id, path, kept, before in writer.same_content(source.hash):
         if file_id in taken or options(before) != before:
             continue
-        if state != INDEXED or (has_left(path) if root_id == source.root_id else _has_left(writer, root_id, path)):
+        if kept != INDEXED or (has_left(path) if root_id == source.root_id else _has_left(writer, root_id, path)):
             return file_id
     return None
 
@@ -165,14 +177,29 @@ def _origin(
 def _has_left(writer: Writer, root_id: int, path: str) -> bool:
     """Whether another root, which is there, holds no such file; False where that cannot be told."""
     root = writer.root_path(root_id)
+    if os.path.lexists(root / path):
+        return False
     try:
-        os.stat(root)
-        os.lstat(root / path)
+        state(root / path)
     except (FileNotFoundError, NotADirectoryError):
         return os.path.isdir(root)
-    except OSError:
+    except (OSError, UnreadableMotion):
         pass
     return False
+
+
+def looked_at_again(root: Path, source: FileVersion) -> FileVersion:
+    """A file as it is now that has changed since it was looked at.
+
+    Raises
+    ------
+    OSError, UnreadableMotion
+        If it cannot be read; see `File.hash`.
+    """
+    parts = [File(path, *state(root / path)) for path in (source.file.path, *source.file.companions)]
+    file = with_companions(parts[0], parts[1:])
+    seen = file.look(root)
+    return replace(source, file=file, hash=file.hash(root), seen=seen)
 
 
 def record(writer: Writer, changes: Changes) -> None:
@@ -182,3 +209,5 @@ def record(writer: Writer, changes: Changes) -> None:
     for file_id, root_id, file in changes.moved:
         writer.move(file_id, root_id, file)
     writer.gone(known.id for known in changes.gone)
+    for source, reason in changes.refused:
+        writer.fail(source, reason)

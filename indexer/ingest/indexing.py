@@ -10,7 +10,7 @@ from os import PathLike
 from pathlib import Path
 
 from encoders.arguments import checked_flag, checked_path
-from encoders.errors import ArgumentError, LibraryError
+from encoders.errors import ArgumentError, LibraryError, UnreadableMotion
 from encoders.protocol import Encoder
 from indexer.argument_checks import (
     checked_encoder,
@@ -19,7 +19,7 @@ from indexer.argument_checks import (
     checked_rate,
 )
 from indexer.ingest import side_files
-from indexer.ingest.changes import Changes, RequestedOptions, compare, record
+from indexer.ingest.changes import Changes, RequestedOptions, compare, looked_at_again, record
 from indexer.ingest.encode import encode, encode_captions, use_model
 from indexer.ingest.pool import Read, Request, read_all
 from indexer.ingest.published_folders import advice, published
@@ -37,6 +37,10 @@ Progress = Callable[[int, int, str], None]
 
 #: Stored frames (20 a second) and files in a batch; a long take is a batch of its own.
 _BATCH_FRAMES, _BATCH_FILES = 12_000, 64
+#: How often a file is read in a run that changes whenever it is.
+_READINGS = 3
+_NO_FOLDER = "no such folder, so nothing was changed; is its drive connected?"
+_TRIED_AGAIN = "; it is tried again at the next run"
 
 
 @dataclass
@@ -83,6 +87,13 @@ class _Task:
     @property
     def path(self) -> Path:
         return self.root / self.source.file.path
+
+    def has_changed(self) -> bool:
+        """Whether the file was written since its content was looked at, or has vanished."""
+        try:
+            return self.source.file.look(self.root) != self.source.seen
+        except OSError:
+            return True
 
 
 def index(
@@ -132,7 +143,8 @@ def index(
     BundleError
         If the model's vectors are not unit vectors of its size.
     LibraryError
-        If a folder is missing, or the library cannot be written or is being written by another process.
+        If the folder, or each of several, is missing or cannot be listed, or the library cannot be written or is being
+        written by another process.
     BundleMismatch
         If the library holds the vectors of another model and `rebuild` is not given.
     """
@@ -153,15 +165,27 @@ def index(
     with writing(place) as writer:
         model_id = use_model(writer, bundle)
         with writer.batch():
-            keys = {writer.root(folder): folder for folder in folders}
+            keys = {writer.root(folder): folder for folder in folders if os.path.isdir(folder)}
+        summary.failed += [(str(folder), _NO_FOLDER) for folder in folders if folder not in keys.values()]
         beside: dict[int, SideFileChanges] = {}
-        requests: list[Request[_Task]] = []
+        tasks: list[_Task] = []
         for key, folder in keys.items():
-            beside[key], changes = _update(writer, folder, key, requested, summary)
-            requests += [_request(folder, source) for source in changes.read]
-        _read_and_encode(writer, bundle, model_id, requests, jobs or os.cpu_count() or 1, summary, progress)
-        for key, folder in keys.items():
-            summary.warnings += side_files.unmatched(writer.connection, folder, beside[key])
+            try:
+                beside[key], changes = _update(writer, folder, key, requested, summary)
+            except LibraryError as error:
+                if len(folders) == 1:
+                    raise
+                summary.failed.append((str(folder), str(error).removeprefix(f"{folder}: ")))
+                continue
+            tasks += [_Task(folder, source) for source in changes.read]
+        for _ in range(_READINGS):
+            changed = _read_and_encode(writer, bundle, model_id, tasks, jobs or os.cpu_count() or 1, summary, progress)
+            tasks = [] if summary.interrupted else _looked_at_again(changed, summary)
+            if not tasks:
+                break
+        summary.failed += [(str(task.path), f"it changes while it is read{_TRIED_AGAIN}") for task in tasks]
+        for key in beside:
+            summary.warnings += side_files.unmatched(writer.connection, keys[key], beside[key])
         encode_captions(writer, bundle, model_id)
     with StoredLibrary.open(place, bundle=bundle) as made:
         made.prepare()
@@ -184,9 +208,8 @@ def _places(
         with StoredLibrary.open(place) as known:
             given = list(known.roots)
     folders = list(dict.fromkeys(Path(folder).resolve() for folder in given))
-    for folder in folders:
-        if not os.path.isdir(folder):
-            raise LibraryError(f"{folder}: no such folder, so nothing was changed; is its drive connected?")
+    if not any(map(os.path.isdir, folders)):
+        raise LibraryError(f"{folders[0]}: {_NO_FOLDER}")
     return place.resolve(), folders
 
 
@@ -202,10 +225,26 @@ def _paths(roots: str | PathLike[str] | Iterable[str | PathLike[str]]) -> list[P
     return given
 
 
-def _request(root: Path, source: FileVersion) -> Request[_Task]:
-    options = source.options
-    joint_map = dict(options.joint_map) or None
-    return Request(_Task(root, source), root / source.file.path, options.fps, joint_map, options.up)
+def _request(task: _Task) -> Request[_Task]:
+    options = task.source.options
+    return Request(task, task.path, options.fps, dict(options.joint_map) or None, options.up)
+
+
+def _looked_at_again(tasks: list[_Task], summary: Summary) -> list[_Task]:
+    """Files that changed while they were read, as they are now."""
+    found = []
+    for task in tasks:
+        try:
+            found.append(_Task(task.root, looked_at_again(task.root, task.source)))
+        except FileNotFoundError:
+            continue  # the next run will find it gone
+        except (OSError, UnreadableMotion) as error:
+            summary.failed.append((str(task.path), f"{_reason(error)}{_TRIED_AGAIN}"))
+    return found
+
+
+def _reason(error: OSError | UnreadableMotion) -> str:
+    return error.reason if isinstance(error, UnreadableMotion) else (error.strerror or str(error)).lower()
 
 
 def _update(
@@ -243,7 +282,8 @@ def _update(
     summary.failed_before += changes.failed_before
     summary.moved += len(changes.moved)
     summary.gone += sum(known.state == INDEXED for known in changes.gone)
-    summary.failed += scan.failed + [(str(root / path), reason) for path, reason in changes.unread]
+    summary.failed += [(str(root / source.file.path), reason) for source, reason in changes.refused]
+    summary.failed += scan.failed + [(str(root / path), f"{reason}{_TRIED_AGAIN}") for path, reason in changes.unread]
     summary.warnings += [*scan.warnings, *filter(None, [advice(root)])]
     return beside, changes
 
@@ -252,11 +292,13 @@ def _read_and_encode(
     writer: Writer,
     bundle: Encoder,
     model_id: int,
-    requests: list[Request[_Task]],
+    tasks: list[_Task],
     jobs: int,
     summary: Summary,
     progress: Progress | None,
-) -> None:
+) -> list[_Task]:
+    """Read and store files; those that changed meanwhile are not stored but returned."""
+    changed: list[_Task] = []
     batch: list[tuple[_Task, Read]] = []
     done = 0
 
@@ -264,38 +306,48 @@ def _read_and_encode(
         nonlocal done
         if not batch:
             return
-        _commit(writer, bundle, model_id, batch, summary)
+        changed.extend(_commit(writer, bundle, model_id, batch, summary))
         done += len(batch)
         if progress is not None:
-            progress(done, len(requests), str(batch[-1][0].path))
+            progress(done, len(tasks), str(batch[-1][0].path))
         batch.clear()
 
     if progress is not None:
-        progress(0, len(requests), "")
+        progress(0, len(tasks), "")
     try:
-        for task, read in read_all(requests, min(jobs, max(len(requests), 1))):
+        for task, read in read_all(map(_request, tasks), min(jobs, max(len(tasks), 1))):
             batch.append((task, read))
             if len(batch) >= _BATCH_FILES or sum(read.frames for _, read in batch) >= _BATCH_FRAMES:
                 commit()
     except KeyboardInterrupt:
         summary.interrupted = True
     commit()
+    return changed
 
 
-def _commit(writer: Writer, bundle: Encoder, model_id: int, batch: list[tuple[_Task, Read]], summary: Summary) -> None:
-    """Encode what was read and store it, with what could not be read, as one transaction."""
+def _commit(
+    writer: Writer, bundle: Encoder, model_id: int, batch: list[tuple[_Task, Read]], summary: Summary
+) -> list[_Task]:
+    """Encode what was read and store it, with what could not be read, as one transaction.
+
+    A file that changed since its content was first looked at is not stored but returned: what was read may be neither
+    the old nor the new. Nothing is recorded of one that may be read another time.
+    """
+    changed = [task for task, read in batch if not read.passes and task.has_changed()]
+    batch = [(task, read) for task, read in batch if task not in changed]
     encoded = iter(encode(bundle, [clip.motion for _, read in batch for clip in read.clips]))
     with writer.batch():
         for task, read in batch:
             if read.clips:
                 writer.add(task.source, list(zip(read.clips, encoded, strict=False)), model_id)
-            else:
+            elif not read.passes:
                 writer.fail(task.source, read.reason)
     for task, read in batch:
         if not read.clips:
-            summary.failed.append((str(task.path), read.reason))
+            summary.failed.append((str(task.path), f"{read.reason}{_TRIED_AGAIN if read.passes else ''}"))
             continue
         summary.indexed += 1
         for clip in read.clips:
             name = with_part(str(task.path), clip.part)
             summary.reading_warnings += [(name, warning) for warning in clip.reading.warnings]
+    return changed

@@ -18,9 +18,10 @@ from typing import IO, Any, Generic, TypeVar
 
 import numpy as np
 
-from encoders.errors import MotionSeekError
+from encoders.errors import MotionSeekError, UnreadableMotion
 from encoders.motion import Motion
 from encoders.skeleton import JOINTS
+from indexer.formats.opening import size
 from indexer.ingest.worker import READY
 from indexer.read_motion import Reading, ReadMotion
 
@@ -45,10 +46,14 @@ Key = TypeVar("Key")
 
 @dataclass(frozen=True)
 class Read:
-    """The result for a file: its motions, or the reason why there is none."""
+    """The result for a file: its motions, or the reason why there is none.
+
+    `passes` tells a reason that does not lie in the file's content, so that reading it again may succeed.
+    """
 
     clips: tuple[ReadMotion, ...] = ()
     reason: str = ""
+    passes: bool = False
 
     @property
     def frames(self) -> int:
@@ -125,7 +130,7 @@ class _Worker:
 
     def read(self, request: Request[Any], patience: float) -> Read:
         if self._ended:
-            return Read(reason="interrupted")
+            return Read(reason="interrupted", passes=True)
         process = self._process or self._start()
         late = threading.Event()
 
@@ -133,15 +138,15 @@ class _Worker:
             late.set()
             process.kill()
 
-        with suppress(OSError):  # the reader reports it better
-            patience += PATIENCE_A_MB * request.path.stat().st_size / 1e6
+        with suppress(OSError, UnreadableMotion):  # the reader reports it better
+            patience += PATIENCE_A_MB * size(request.path) / 1e6
         timer = threading.Timer(patience, give_up)
         timer.start()
         try:
             return _ask(process, request)
         except (OSError, ValueError):
             self._process = None
-            return Read(reason=_cause(_wait(process), patience if late.is_set() else None))
+            return _ended(_wait(process), patience if late.is_set() else None)
         finally:
             timer.cancel()
 
@@ -184,7 +189,7 @@ def _ask(process: subprocess.Popen[bytes], request: Request[Any]) -> Read:
     process.stdin.flush()
     header = json.loads(process.stdout.readline())
     if "reason" in header:
-        return Read(reason=header["reason"])
+        return Read(reason=header["reason"], passes=header["passes"])
     return Read(tuple(_received(process.stdout, record) for record in header["clips"]))
 
 
@@ -208,9 +213,11 @@ def _wait(process: subprocess.Popen[bytes]) -> int:
     return process.wait()
 
 
-def _cause(code: int, patience: float | None) -> str:
+def _ended(code: int, patience: float | None) -> Read:
+    """What it means for a file that its process has ended."""
     if patience is not None:
-        return f"reading took more than {patience:.0f} s and was ended"
+        return Read(reason=f"reading took more than {patience:.0f} s and was ended", passes=True)
     if code == -signal.SIGKILL:
-        return "reading it was killed, perhaps because memory ran out; cut it into shorter takes"
-    return f"reading it crashed ({signal.Signals(-code).name if code < 0 else f'exit code {code}'})"
+        return Read(reason="reading it was killed, perhaps because memory ran out", passes=True)
+    name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+    return Read(reason=f"reading it crashed ({name})", passes=name in ("SIGTERM", "SIGHUP", "SIGINT"))

@@ -11,9 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from io import TextIOWrapper
 from pathlib import Path
 from posixpath import basename, dirname, join
 
+from indexer.formats.opening import open_file
 from indexer.ingest.scan import LINES, Folder
 from indexer.store.captions import CaptionRow
 from indexer.store.files import File
@@ -70,10 +72,10 @@ def read_split(root: Path, file: File) -> list[CaptionRow]:
 
     Raises
     ------
-    OSError
+    OSError, UnreadableMotion
         If it cannot be read.
     """
-    with (root / file.path).open(encoding="utf-8", errors="replace") as lines:
+    with TextIOWrapper(open_file(root / file.path), encoding="utf-8", errors="replace") as lines:
         ids = dict.fromkeys(line.strip() for line in lines)
     return [
         CaptionRow(join(dirname(file.path), folder, f"{id}.npy"), split=file.name)

@@ -6,13 +6,15 @@ import errno
 import os
 import stat
 from collections import defaultdict
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from posixpath import basename, dirname, splitext
 from unicodedata import normalize
 
 from encoders.arguments import is_text
-from indexer.formats import table
+from encoders.errors import UnreadableMotion
+from indexer.formats import table, zip_archive
+from indexer.formats.opening import time_of
 from indexer.store.files import File
 from indexer.store.stored_library import FILE
 
@@ -20,8 +22,6 @@ TABLES = frozenset({"captions.csv", "captions.tsv", "captions.jsonl"})
 LINES = ".txt"
 #: The folders of a library, beside its file.
 _OF_LIBRARY = frozenset({"vectors", "previews"})
-#: The integers that SQLite can hold; a time after the year 2262 is none of them.
-_LARGEST = 2**63 - 1
 
 _OTHER_NAME = "lead to what is indexed under another name, and are passed over"
 _LOOP = "lead back to a folder around them, and are passed over"
@@ -44,7 +44,11 @@ class Folder:
         companions = {
             row.ending: by_ending.get(row.companion.ending, []) for row in table.FORMATS if row.companion is not None
         }
-        return [_with(file, companions.get(file.ending, [])) for file in self.files if table.is_motion(file.ending)]
+        return [
+            with_companions(file, companions.get(file.ending, []))
+            for file in self.files
+            if table.is_motion(file.ending) or file.ending == zip_archive.ENDING
+        ]
 
     def side_files(self, motions: list[File]) -> list[tuple[File, list[str]]]:
         """The side files, each with the paths of the motions beside it; none for a table, which names them."""
@@ -104,15 +108,6 @@ def walk(root: Path) -> Scan:
         for link in links:
             walking.follow(*link)
     return walking.found()
-
-
-def list_folder(folder: Path) -> Folder:
-    """The files of one folder, as `walk` finds them; raises OSError if it cannot be listed."""
-    walking = _Walk(folder)
-    walking.read_folder("", walking.real_root)
-    for link in walking.links:
-        walking.follow(*link, only_files=True)
-    return walking.folders[""]
 
 
 class _Walk:
@@ -175,7 +170,7 @@ class _Walk:
                 self._fail(inside, "cannot be looked at", error)
         return inner
 
-    def follow(self, path: str, around: str, *, only_files: bool = False) -> None:
+    def follow(self, path: str, around: str) -> None:
         """Take what a link in the folder of the real path `around` leads to."""
         try:
             state = os.stat(self.root / path)
@@ -187,7 +182,7 @@ class _Walk:
                 self._remarks[_OTHER_NAME].append(path)
             else:
                 self._add(path, state)
-        elif stat.S_ISDIR(state.st_mode) and not only_files:
+        elif stat.S_ISDIR(state.st_mode):
             real = os.path.realpath(self.root / path)
             if Path(around).is_relative_to(real) or Path(self.real_root).is_relative_to(real):
                 self._remarks[_LOOP].append(path)
@@ -202,15 +197,37 @@ class _Walk:
             folder.files.sort(key=lambda file: file.path)
         for remark, paths in self._remarks.items():
             kind = "entries" if remark == _ENCODING else "symbolic links"
-            scan.warnings.append(f"{self.root}: {len(paths)} {kind} {remark}; such as {sorted(paths)[0]}")
+            self._remark(f"{self.root}: {len(paths)} {kind} {remark}", paths)
         return scan
 
+    def _remark(self, text: str, paths: list[str]) -> None:
+        self._scan.warnings.append(f"{text}; such as {min(paths)}")
+
     def _add(self, path: str, state: os.stat_result) -> None:
-        time = max(-_LARGEST, min(state.st_mtime_ns, _LARGEST))
-        file = File(path, state.st_size, time)
+        file = File(path, state.st_size, time_of(state))
+        if file.ending == zip_archive.ENDING:
+            self._add_archive(file)
+            return
         self.folders[dirname(path)].files.append(file)
         if state.st_ino and table.is_motion(file.ending):
             self._motions.add((state.st_dev, state.st_ino))
+
+    def _add_archive(self, file: File) -> None:
+        """Take the members of an archive as files of a folder of its name; one that is damaged is a file itself."""
+        try:
+            archive = zip_archive.read_archive(self.root / file.path)
+        except UnreadableMotion as error:
+            self.folders[dirname(file.path)].files.append(replace(file, refusal=error.reason))
+            return
+        for name, members in archive.folders.items():
+            folder = Folder(_join(file.path, name) if name else file.path)
+            for member in members:
+                info = archive.members[member]
+                path = _join(file.path, member)
+                folder.files.append(File(path, info.file_size, info.CRC, refusal=zip_archive.refusal(info)))
+            self.folders[folder.path] = folder
+        for remark, names in archive.remarks.items():
+            self._remark(f"{self.root / file.path}: {len(names)} files {remark}", names)
 
     def _broken(self, path: str, error: OSError) -> None:
         if error.errno == errno.ELOOP:
@@ -231,14 +248,11 @@ def _join(folder: str, name: str) -> str:
     return f"{folder}/{name}" if folder else name
 
 
-def _with(file: File, others: list[File]) -> File:
+def with_companions(file: File, others: list[File]) -> File:
+    """A file with those beside it that it may be read with."""
     if not others:
         return file
     # The sum of the times within SQLite's 63 bits; if any of them changes, so does the sum.
     time = sum(part.mtime_ns for part in (file, *others)) % 2**63
-    return File(
-        file.path,
-        sum(part.size for part in (file, *others)),
-        time,
-        tuple(other.path for other in others),
-    )
+    size = sum(part.size for part in (file, *others))
+    return replace(file, size=size, mtime_ns=time, companions=tuple(other.path for other in others))

@@ -8,9 +8,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from unicodedata import normalize
 
+from encoders.errors import UnreadableMotion
 from indexer.ingest.caption_files import Warn, read_lines, read_table
 from indexer.ingest.published_folders import read_split
 from indexer.ingest.scan import TABLES
+from indexer.part_names import splits, with_part
 from indexer.store import captions
 from indexer.store.captions import CaptionRow
 from indexer.store.files import File
@@ -51,7 +53,7 @@ def update(
     known = captions.side_files(db, root_id)
     named = captions.paths_named(db, root_id)
     changes = SideFileChanges()
-    splits = {file.path for file in lists}
+    split_lists = {file.path for file in lists}
     for file, targets in [*found, *((file, []) for file in lists)]:
         old_id, size, mtime_ns, old_hash = known.pop(file.path, (None, -1, -1, ""))
         is_about_the_same = set(targets) <= named.get(old_id, set())
@@ -61,12 +63,13 @@ def update(
             digest = file.hash(root)
             if digest == old_hash and is_about_the_same:
                 rows = None
-            elif file.path in splits:
+            elif file.path in split_lists:
                 rows = read_split(root, file)
             else:
                 rows = _read(root, file, targets, on_disk, warn)
-        except OSError as error:
-            warn(f"{root / file.path}: {(error.strerror or str(error)).lower()}; its captions are left as they were")
+        except (OSError, UnreadableMotion) as error:
+            reason = error.reason if isinstance(error, UnreadableMotion) else (error.strerror or str(error)).lower()
+            warn(f"{root / file.path}: {reason}; its captions are left as they were")
             continue
         file_id = captions.record_side_file(db, root_id, file, digest)
         if rows is not None:
@@ -111,4 +114,8 @@ def _spelt(row: CaptionRow, on_disk: Mapping[str, str]) -> CaptionRow:
     if row.path.isascii():
         return row
     composed = normalize("NFC", row.path)
-    return replace(row, path=on_disk.get(row.path) or on_disk.get(composed, composed))
+    for path in (row.path, composed):
+        for file, part in ((path, ""), *splits(path)):
+            if file in on_disk:
+                return replace(row, path=with_part(on_disk[file], part))
+    return replace(row, path=composed)

@@ -7,11 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from encoders.errors import UnreadableMotion
 from indexer.argument_checks import checked_rate
 from indexer.formats import table
+from indexer.formats.opening import beside, state
 from indexer.formats.reading import split_name
 from indexer.ingest.load import read_motion
-from indexer.ingest.scan import list_folder
+from indexer.ingest.scan import with_companions
 from indexer.read_motion import ReadMotion
 from indexer.store.captions import stated_rate
 from indexer.store.files import File
@@ -58,10 +60,12 @@ def file_state(library: StoredLibrary, clip: int, place: Path) -> str:
         "SELECT size, mtime_ns, hash FROM files JOIN clips ON clips.file_id = files.id WHERE clips.id = ?", (clip,)
     ).fetchone()
     try:
-        file = _scanned(split_name(place)[0].resolve())
-        same = row is None or (file.size, file.mtime_ns) == row[:2] or file.hash(place.resolve().parent) == row[2]
-    except OSError:  # what lies in an archive is looked for by its reader
-        return "" if any(above.is_file() for above in place.parents) else "is gone since it was indexed"
+        file = _scanned(split_name(place)[0])
+        same = row is None or (file.size, file.mtime_ns) == row[:2] or file.hash(place.parent) == row[2]
+    except UnreadableMotion:  # the archive it lies in
+        return "cannot be read any more"
+    except OSError:
+        return "is gone since it was indexed"
     return "" if same else "has changed since it was indexed"
 
 
@@ -71,20 +75,12 @@ def known_options(library: StoredLibrary, path: Path) -> ReadOptions | None:
     As in indexing, the rate that a captions table states takes precedence. Files of the same content that were read
     with different options decide nothing.
     """
-    place = path.resolve()
     options, rate = None, None
-    for key, root in _roots(library):
-        if place.is_relative_to(root):
-            inside = place.relative_to(root).as_posix()
-            options = options or _common(library, "root_id = ? AND path = ? AND state != 'gone'", (key, inside))
-            rate = rate or stated_rate(library.connection, key, inside)
-    options = options or _of_content(library, place)
+    for key, inside in library.places(path):
+        options = options or _common(library, "root_id = ? AND path = ? AND state != 'gone'", (key, inside))
+        rate = rate or stated_rate(library.connection, key, inside)
+    options = options or _of_content(library, path)
     return options if rate is None else replace(options or ReadOptions(), fps=rate)
-
-
-def _roots(library: StoredLibrary) -> list[tuple[int, Path]]:
-    rows = library.connection.execute("SELECT id, path FROM roots ORDER BY id")
-    return [(key, (library.folder / path).resolve()) for key, path in rows]
 
 
 def _of_content(library: StoredLibrary, place: Path) -> ReadOptions | None:
@@ -93,18 +89,18 @@ def _of_content(library: StoredLibrary, place: Path) -> ReadOptions | None:
         if library.connection.execute("SELECT 1 FROM files WHERE size = ? LIMIT 1", (file.size,)).fetchone() is None:
             return None
         return _common(library, "hash = ?", (file.hash(place.parent),))
-    except OSError:  # the reader reports it better
+    except (OSError, UnreadableMotion):  # the reader reports it better
         return None
 
 
 def _scanned(place: Path) -> File:
     """A file as indexing its folder would find it: with the companions that it may need."""
     row = table.READABLE.get(place.suffix.lower())
+    others: list[Path] = []
     if row is not None and row.companion is not None:
-        found = [file for file in list_folder(place.parent).motions() if file.path == place.name]
-        if found:
-            return found[0]
-    return File(place.name, place.stat().st_size, place.stat().st_mtime_ns)
+        others = [other for other in beside(place) if other.suffix.lower() == row.companion.ending]
+    companions = [File(other.name, *state(other)) for other in others if not other.name.startswith(".")]
+    return with_companions(File(place.name, *state(place)), companions)
 
 
 def _common(library: StoredLibrary, condition: str, values: Sequence[Any]) -> ReadOptions | None:

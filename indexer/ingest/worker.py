@@ -1,9 +1,8 @@
 """The reading process: one request a line on stdin, one response on stdout, until stdin ends.
 
 It begins with READY. A request is a JSON object with the arguments of `indexer.ingest.load.read_motions`; a response is
-a JSON line with the `reason` why the file cannot be read, or with its `clips`, followed by their joints as float32
-bytes in the same order.
-Files are not trusted: one that crashes or hangs costs one process.
+a JSON line with the `reason` why the file cannot be read and whether that `passes`, or with its `clips`, followed by
+their joints as float32 bytes in the same order. Files are not trusted: one that crashes or hangs costs one process.
 """
 
 from __future__ import annotations
@@ -40,11 +39,13 @@ def _answer(function: Any, request: dict[str, Any]) -> tuple[dict[str, Any], byt
     try:
         clips: list[ReadMotion] = function(**request)
     except UnreadableMotion as error:
-        return {"reason": str(error).removeprefix(f"{error.path}: ")}, b""
+        passes = isinstance(error.__cause__, OSError)
+        return {"reason": str(error).removeprefix(f"{error.path}: "), "passes": passes}, b""
     except MemoryError:
-        return {"reason": "needs more memory than there is; cut it into shorter takes"}, b""
+        return {"reason": "needs more memory than there is; cut it into shorter takes", "passes": False}, b""
     except Exception as error:
-        return {"reason": f"reading failed unexpectedly ({type(error).__name__}: {error})"}, b""
+        reason = f"reading failed unexpectedly ({type(error).__name__}: {error})"
+        return {"reason": reason, "passes": isinstance(error, OSError)}, b""
     records = [
         {
             "frames": len(clip.motion),

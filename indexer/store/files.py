@@ -7,6 +7,7 @@ from hashlib import blake2b
 from pathlib import Path
 from posixpath import basename, splitext
 
+from indexer.formats.opening import look, open_file
 from indexer.store.read_options import ReadOptions
 
 #: What the library knows of a file: its clip can be found, it cannot be read, or it has vanished.
@@ -27,15 +28,18 @@ class File:
     path : str
         Relative to the root, with forward slashes.
     size, mtime_ns : int
-        Of the file and its companions, added up: enough to see that something changed.
+        Of the file and its companions, added up: enough to see that something changed. See `opening.state`.
     companions : tuple of str
         Files it is read with, such as the skeleton of an AMC; relative to the root.
+    refusal : str
+        Why it is not read, whatever its format: by what the archive states in which it lies.
     """
 
     path: str
     size: int
     mtime_ns: int
     companions: tuple[str, ...] = ()
+    refusal: str = ""
 
     @property
     def ending(self) -> str:
@@ -57,6 +61,16 @@ class File:
         """The format of its clip."""
         return self.ending.lstrip(".")
 
+    def look(self, root: Path) -> tuple[tuple[int, ...], ...]:
+        """What tells, compared before and after reading, that neither it nor a companion was written meanwhile.
+
+        Raises
+        ------
+        OSError
+            If one is not there, or cannot be looked at.
+        """
+        return tuple(look(root / path) for path in (self.path, *self.companions))
+
     def hash(self, root: Path) -> str:
         """A digest of the content of the file and its companions, as hex digits.
 
@@ -64,10 +78,12 @@ class File:
         ------
         OSError
             If one cannot be read.
+        UnreadableMotion
+            If one lies in an archive and is damaged there.
         """
         digest = blake2b(digest_size=16)
         for path in (self.path, *self.companions):
-            with (root / path).open("rb") as file:
+            with open_file(root / path) as file:
                 while piece := file.read(1 << 20):
                     digest.update(piece)
             digest.update(b"\0")
@@ -91,12 +107,16 @@ class ArrayItem(File):
 
 @dataclass(frozen=True)
 class FileVersion:
-    """A file at the time it was read: where it lies, what it held, and how it was read."""
+    """A file at the time it was read: where it lies, what it held, and how it was read.
+
+    `seen` is its look before its content was, if it was looked at.
+    """
 
     root_id: int
     file: File
     hash: str
     options: ReadOptions
+    seen: tuple[tuple[int, ...], ...] = ()
 
 
 @dataclass(frozen=True)

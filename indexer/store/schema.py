@@ -226,7 +226,9 @@ def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
         raise LibraryError(f"{path}: written by a newer motionseek; update motionseek to open it")
     if version == 0 and not writable:
         connection.close()
-        raise LibraryDamaged(f"{path}: holds no tables; delete its folder and index again")
+        raise LibraryDamaged(
+            f"{path}: not finished: it was begun, and nothing was written yet; run 'motionseek index' again"
+        )
     digests.register(connection)
     if version < 4 and not writable:
         _as_of_today(connection)
@@ -247,6 +249,17 @@ def cause(path: Path, error: sqlite3.Error) -> LibraryError:
 
 class FrozenConnection(sqlite3.Connection):
     """A connection to a file that is taken not to change while it is open, without locks."""
+
+
+def not_written(path: Path, error: sqlite3.OperationalError) -> LibraryError:
+    """Why a library file cannot be written, and what to do."""
+    if "full" in str(error):
+        what = "the disk is full; make room"
+    elif "I/O error" in str(error):
+        what = f"the disk fails ({error}); check it and make room"
+    else:
+        what = f"cannot be written ({error}); see that it may be"
+    return LibraryError(f"{path}: {what}, and run 'motionseek index' again: what was committed is kept")
 
 
 def _connect(path: Path, mode: str) -> sqlite3.Connection:
@@ -292,7 +305,8 @@ def transaction(connection: sqlite3.Connection) -> Iterator[None]:
     connection.execute("BEGIN IMMEDIATE")
     try:
         yield
+        connection.execute("COMMIT")
     except BaseException:
-        connection.execute("ROLLBACK")
+        if connection.in_transaction:  # else SQLite has rolled back by itself, as where the disk is full
+            connection.execute("ROLLBACK")
         raise
-    connection.execute("COMMIT")

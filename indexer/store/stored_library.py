@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 import sqlite3
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from functools import wraps
 from os import PathLike, fspath
 from os.path import isfile
-from pathlib import Path, PurePath, PurePosixPath
+from pathlib import Path, PurePosixPath
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 from unicodedata import normalize
@@ -361,21 +361,42 @@ class StoredLibrary:
     def _named(self, text: str, spelt: Callable[[str], str], column: str) -> list[Clip]:
         """As `matches`, of a path or name; paths and columns are compared as spelt in one way."""
         text, roots = spelt(text), self._roots()
-        path, place = PurePosixPath(text.replace("\\", "/")), Path(spelt(str(Path(text).absolute().resolve())))
+        path = PurePosixPath(text.replace("\\", "/"))
         names = root_names(roots) if len(roots) > 1 else {}
         named = {key: PurePosixPath(spelt(name)) for key, name in names.items()}
-        placed = {key: Path(spelt(str(root))) for key, root in roots.items()}
+        below = [(key, path.relative_to(name).as_posix()) for key, name in named.items() if path.is_relative_to(name)]
         return (
-            self._below(named, path, column)
+            self._at(below, column)
             or self._of_path(path.as_posix(), column)
-            or self._below(placed, place, column)
+            or self._at(self.places(text, spelt), column)
             or self._select(f"{column.format('clips.name')} = ?", [text])
         )
 
-    def _below(self, roots: Mapping[int, PurePath], path: PurePath, column: str) -> list[Clip]:
-        """The clips at a path below roots; more than one where a root lies in another."""
-        inside = [(key, path.relative_to(root).as_posix()) for key, root in roots.items() if path.is_relative_to(root)]
-        return [clip for key, place in inside for clip in self._of_path(place, column, "files.root_id = ?", key)]
+    def places(self, path: str | PathLike[str], spelt: Callable[[str], str] = str) -> list[tuple[int, str]]:
+        """What a path of the file system is called in the roots: the root's id, and the path in it.
+
+        More than one where a root lies in another, or where links lead from one name of a file to another.
+
+        Parameters
+        ----------
+        spelt : callable
+            How names are spelt that are compared; what is returned is spelt so.
+        """
+        roots = {spelt(str(root)): key for key, root in self._roots().items()}
+        absolute, real = os.path.abspath(path), os.path.realpath(path)
+        found = [(above, Path(real)) for above in Path(real).parents]
+        if absolute != real:
+            found += [(above, Path(absolute)) for above in Path(absolute).parents]
+        named = [
+            (roots[name], spelt(place.relative_to(above).as_posix()))
+            for above, place in found
+            if (name := spelt(os.path.realpath(above))) in roots
+        ]
+        return list(dict.fromkeys(named))
+
+    def _at(self, places: list[tuple[int, str]], column: str) -> list[Clip]:
+        """The clips at paths in roots."""
+        return [clip for key, place in places for clip in self._of_path(place, column, "files.root_id = ?", key)]
 
     def _of_path(self, path: str, column: str, condition: str = "1", *values: Any) -> list[Clip]:
         """The clip at a path, all clips of the file there, or the one of them that `file#part` names."""

@@ -373,10 +373,14 @@ def writing(folder: Path) -> Iterator[Writer]:
         raise LibraryError(
             f"{folder}: cannot be written ({error.strerror}); keep the library in another folder (library=, --library)"
         ) from error
+    file = folder / "library.sqlite"
     with ExitStack() as stack:
         stack.enter_context(write_lock(folder))
-        connection = schema.connect(folder / "library.sqlite", writable=True)
+        connection = schema.connect(file, writable=True)
         stack.callback(connection.close)
-        schema.migrate(connection)
-        digests.keep(connection)
-        yield Writer(folder, connection)
+        try:
+            schema.migrate(connection)
+            digests.keep(connection)
+            yield Writer(folder, connection)
+        except sqlite3.OperationalError as error:
+            raise schema.not_written(file, error) from error

@@ -6,7 +6,6 @@ import json
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from os.path import isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -110,9 +109,10 @@ def open_library(folder: str | None) -> Library:
 def names_clip(text: str, folder: str | None) -> bool:
     """Whether an argument means a motion: a file, what looks like a file or a number, or a clip of the library."""
     from encoders.errors import LibraryError
+    from indexer.formats.opening import is_file
     from indexer.formats.table import READABLE
 
-    if isfile(text) or text.startswith("#") or Path(text).suffix.lower() in READABLE:
+    if is_file(Path(text)) or text.startswith("#") or Path(text).suffix.lower() in READABLE:
         return True
     try:
         with open_library(folder) as library:
@@ -131,13 +131,14 @@ def open_source(
     """
     from encoders.bundle.bundle import Bundle
     from encoders.errors import LibraryError
+    from indexer.formats.opening import is_file
     from search.cli.locate import VARIABLE
     from search.references import find_source
 
     try:
         library = open_library(folder)
     except LibraryError:
-        if (folder or os.environ.get(VARIABLE)) and not isfile(ref):
+        if (folder or os.environ.get(VARIABLE)) and not is_file(Path(ref)):
             raise
         around = None if folder or os.environ.get(VARIABLE) else _library_around(Path(ref))
         if around is None:
@@ -151,10 +152,11 @@ def open_source(
 def _library_around(file: Path) -> Library | None:
     """The library of the folder that holds a file; None where there is none or it was made with another model."""
     from encoders.errors import BundleMismatch, LibraryError
+    from indexer.formats.opening import is_file
     from search.cli.locate import locate
     from search.library import Library
 
-    if not file.is_file():
+    if not is_file(file):
         return None
     try:
         library = Library.open(locate(start=file.absolute().parent))

@@ -17,6 +17,7 @@ from encoders.errors import UnreadableMotion
 from indexer.formats.acclaim.amc_frames import AmcFrames, read_frames
 from indexer.formats.acclaim.asf import Bone, Skeleton, read_skeleton
 from indexer.formats.kinematics import Pose, turn, turned
+from indexer.formats.opening import beside
 from indexer.take import Take
 
 #: Frames a second that a header may state.
@@ -53,22 +54,24 @@ def _skeleton(path: str | PathLike[str], data: bytes, bones: list[str]) -> Skele
     if not candidates:
         raise UnreadableMotion(path, "its skeleton is missing: put the .asf file that belongs to it in the same folder")
     reasons: list[str] = []
+    cause: BaseException | None = None
     for candidate in candidates:
         try:
             skeleton = read_skeleton(candidate)
         except UnreadableMotion as error:
             reasons.append(f"{candidate.name}: {error.reason}")
+            cause = cause or error.__cause__
             continue
         lacking = [bone for bone in bones if bone not in skeleton.bones]
         if not lacking:
             return skeleton
         reasons.append(f"the skeleton {candidate.name} has no bone {lacking[0][:40]!r}: not the one of this motion")
-    raise UnreadableMotion(path, reasons[0])
+    raise UnreadableMotion(path, reasons[0]) from cause
 
 
 def _candidates(path: Path, data: bytes) -> list[Path]:
     """Skeletons beside a motion, the likeliest first: same name, same subject, named in the header, any."""
-    beside = sorted(p for p in path.parent.iterdir() if p.suffix.lower() == ".asf" and p.is_file())
+    skeletons = [other for other in beside(path) if other.suffix.lower() == ".asf"]
     named = _NAMED_SKELETON.search(data[:2000])
     header = named[1].decode("latin-1").strip().lower() if named else ""
     stem = path.stem.lower()
@@ -79,7 +82,7 @@ def _candidates(path: Path, data: bytes) -> list[Path]:
             return 0, -len(name)
         return (1, 0) if other.name.lower() == header else (2, 0)
 
-    return sorted(beside, key=rank)
+    return sorted(skeletons, key=rank)
 
 
 def _take(path: str | PathLike[str], skeleton: Skeleton, frames: AmcFrames, fps: float | None) -> Take:

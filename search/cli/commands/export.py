@@ -61,7 +61,7 @@ def export(
         raise click.UsageError(f"{out}: unsupported format; use {', '.join(WRITERS)}")
     options.refuse_overwriting(out, force)
     with options.open_source(ref, folder) as (_, source, _library):
-        if source.file is not None and out.exists() and out.samefile(source.file):
+        if source.file is not None and out.exists() and source.file.exists() and out.samefile(source.file):
             raise click.UsageError(f"{out} is the source file of the clip; choose another file")
         frames, fps = write_cut(source, out, start, end, fps=fps, in_place=in_place, rig=rig)
     if as_json:

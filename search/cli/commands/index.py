@@ -67,10 +67,10 @@ def index(
     from search.cli.locate import VARIABLE
 
     for folder in folders:
-        if Path(folder).is_file():
+        if os.path.isfile(folder):
             raise click.UsageError(f"{folder} is a file; index its folder, or run 'motionseek describe {folder}'")
-        if not Path(folder).is_dir():
-            raise click.UsageError(f"no folder {folder}")
+    if not any(map(os.path.isdir, folders)):
+        raise click.UsageError(f"no folder {folders[0]}")
     _lower_priority()
     library = library or os.environ.get(VARIABLE)
     names = read_joint_map(joint_map) if joint_map else None

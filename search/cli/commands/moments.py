@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from os.path import isfile
 from pathlib import Path
 from typing import Any
 
@@ -109,11 +108,13 @@ def _sentence_and_clip(
 
     Where options state enough sentences (`has_more`), one argument alone may be either.
     """
-    if sentence is None or not isfile(sentence):
+    from indexer.formats.opening import is_file
+
+    if sentence is None or not is_file(Path(sentence)):
         is_clip = sentence is not None and has_more and ref is None and options.names_clip(sentence, folder)
         return (None, sentence) if is_clip else (sentence, ref)
     if ref is None and not has_more:
         raise click.UsageError(f'"{sentence}" is a file; give a sentence to search for, too, such as "a person waves"')
-    if ref is not None and isfile(ref):
+    if ref is not None and is_file(Path(ref)):
         raise click.UsageError(f'"{sentence}" and "{ref}" are both files; give one file and a sentence')
     return ref, sentence
