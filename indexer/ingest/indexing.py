@@ -208,7 +208,7 @@ def _places(
         with StoredLibrary.open(place) as known:
             given = list(known.roots)
     folders = list(dict.fromkeys(Path(folder).resolve() for folder in given))
-    if not any(map(os.path.isdir, folders)):
+    if folders and not any(map(os.path.isdir, folders)):
         raise LibraryError(f"{folders[0]}: {_NO_FOLDER}")
     return place.resolve(), folders
 
