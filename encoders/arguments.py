@@ -18,6 +18,8 @@ Kind = TypeVar("Kind")
 
 #: The largest count, of hits or of pixels.
 MOST = 2**31 - 1
+#: Characters of the longest sentence: a model reads some fifty words, and a caption has no more, either.
+LONGEST_SENTENCE = 2000
 #: Characters of a rejected value that a message shows.
 _SHOWN = 80
 
@@ -104,10 +106,15 @@ def checked_path(name: str, value: Any) -> Path:
 
 
 def checked_sentences(name: str, sentences: Any) -> list[str]:
-    """A list of sentences; one string is not one."""
+    """A list of sentences of at most `LONGEST_SENTENCE` characters; one string is not one."""
     if isinstance(sentences, (str, bytes)) or not isinstance(sentences, (Sequence, np.ndarray)):
         raise ArgumentError(f"{name}={shown(sentences)} must be a list of sentences, such as ['a person waves']")
-    return [checked_text(name, sentence) for sentence in sentences]
+    for sentence in sentences:
+        if len(checked_text(name, sentence)) > LONGEST_SENTENCE:
+            raise ArgumentError(
+                f"{name}={shown(sentence[:_SHOWN])} has {len(sentence)} characters; ask in at most {LONGEST_SENTENCE}"
+            )
+    return list(sentences)
 
 
 def checked_list(name: str, values: Any, kind: type[Kind]) -> list[Kind]:

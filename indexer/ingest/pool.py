@@ -1,4 +1,8 @@
-"""Read files in separate processes, so that one that crashes, hangs or exhausts memory fails alone."""
+"""Read files in separate processes, so that one that crashes, hangs or exhausts memory fails alone.
+
+A process has limits of time, memory and output, and what it answers is not trusted: nothing is allocated by its word
+before it is checked.
+"""
 
 from __future__ import annotations
 
@@ -12,23 +16,28 @@ from collections import deque
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, Any, Generic, TypeVar
 
 import numpy as np
 
+from encoders.arguments import is_text
 from encoders.errors import MotionSeekError, UnreadableMotion
 from encoders.motion import Motion
 from encoders.skeleton import JOINTS
 from indexer.formats.opening import size
-from indexer.ingest.worker import READY
+from indexer.ingest import worker_limits
+from indexer.ingest.worker import MAX_FRAMES, MAX_HEADER, MAX_REASON, READY
 from indexer.read_motion import Reading, ReadMotion
 
 READ = "indexer.ingest.load:read_motions"
 
 #: Seconds a file may take, and those added for each MB.
 PATIENCE, PATIENCE_A_MB = 60.0, 2.0
+
+#: Share of that for which the processor may be used. Who uses it longer does so again; other delays may pass.
+PATIENCE_OF_PROCESSOR = 0.9
 
 #: Results that may queue for each process: enough to keep all busy while one reads a long file.
 _AHEAD = 4
@@ -37,8 +46,8 @@ _AHEAD = 4
 _ENDING = 5.0
 
 _START = (
-    "import json, sys; path, target = json.loads(sys.argv[1]); sys.path[:] = path; "
-    "from indexer.ingest.worker import serve; serve(target)"
+    "import json, sys; path, target, parent = json.loads(sys.argv[1]); sys.path[:] = path; "
+    "from indexer.ingest.worker import serve; serve(target, parent)"
 )
 
 Key = TypeVar("Key")
@@ -138,13 +147,20 @@ class _Worker:
             late.set()
             process.kill()
 
+        length = 0
         with suppress(OSError, UnreadableMotion):  # the reader reports it better
-            patience += PATIENCE_A_MB * size(request.path) / 1e6
+            length = size(request.path)
+        patience += PATIENCE_A_MB * length / 1e6
         timer = threading.Timer(patience, give_up)
         timer.start()
         try:
-            return _ask(process, request)
-        except (OSError, ValueError):
+            return _ask(process, request, worker_limits.memory_for(length), PATIENCE_OF_PROCESSOR * patience)
+        except _Nonsense as error:
+            self._process = None
+            process.kill()
+            _wait(process)
+            return Read(reason=f"reading it gave no motion ({error}); please report it with the file")
+        except (OSError, EOFError):
             self._process = None
             return _ended(_wait(process), patience if late.is_set() else None)
         finally:
@@ -155,7 +171,7 @@ class _Worker:
         path = [entry for entry in sys.path if entry] + [str(Path(__file__).parents[2])]
         try:
             process = self._process = subprocess.Popen(
-                [sys.executable, "-I", "-c", _START, json.dumps([path, self._target])],
+                [sys.executable, "-I", "-c", _START, json.dumps([path, self._target, os.getpid()])],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
@@ -180,25 +196,58 @@ class _Worker:
             _wait(process)
 
 
-def _ask(process: subprocess.Popen[bytes], request: Request[Any]) -> Read:
-    """Send one request and receive its result. Raises OSError or ValueError if the process dies."""
+class _Nonsense(Exception):
+    """An answer that no reading process gives unless a file has made it do so."""
+
+
+def _ask(process: subprocess.Popen[bytes], request: Request[Any], memory: int, seconds: float) -> Read:
+    """Send one request and receive its result. Raises OSError or EOFError if the process dies, or `_Nonsense`."""
     assert process.stdin is not None
     assert process.stdout is not None
     message = {"path": str(request.path), "fps": request.fps, "joint_map": request.joint_map, "up": request.up}
-    process.stdin.write(json.dumps(message).encode() + b"\n")
+    process.stdin.write(json.dumps({**message, "memory": memory, "seconds": seconds}).encode() + b"\n")
     process.stdin.flush()
-    header = json.loads(process.stdout.readline())
-    if "reason" in header:
-        return Read(reason=header["reason"], passes=header["passes"])
-    return Read(tuple(_received(process.stdout, record) for record in header["clips"]))
+    line = process.stdout.readline(MAX_HEADER)
+    if not line:
+        raise EOFError
+    try:
+        header = json.loads(line)
+        if "reason" in header:
+            return Read(reason=_text(header["reason"], MAX_REASON), passes=header["passes"] is True)
+        records = header["clips"]
+        counts = [record["frames"] for record in records]
+        if not counts or not all(type(count) is int and count > 0 for count in counts) or sum(counts) > MAX_FRAMES:
+            raise ValueError("impossible numbers of frames")
+        return Read(tuple(_received(process.stdout, record) for record in records))
+    except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError) as error:
+        raise _Nonsense(f"{type(error).__name__}: {error}"[:MAX_REASON]) from error
 
 
 def _received(stream: IO[bytes], record: dict[str, Any]) -> ReadMotion:
-    """One motion of a response. Raises ValueError if the process dies."""
-    data = stream.read(record["frames"] * len(JOINTS) * 3 * 4)
-    joints = np.frombuffer(data, np.float32).reshape(record["frames"], len(JOINTS), 3)
-    motion = Motion(joints, record["fps"])
-    return ReadMotion(motion, record["part"], record["rig"], Reading.of(record["reading"]))
+    """One motion of a response, of a number of frames that is checked. Raises EOFError if the process dies."""
+    size = record["frames"] * len(JOINTS) * 3 * 4
+    data = stream.read(size)
+    if len(data) < size:
+        raise EOFError
+    motion = Motion(np.frombuffer(data, np.float32).reshape(-1, len(JOINTS), 3), record["fps"])
+    return ReadMotion(motion, _text(record["part"]), _text(record["rig"]), _reading(record["reading"]))
+
+
+def _reading(record: dict[str, Any]) -> Reading:
+    """How a motion was read, of the types that the library stores."""
+    found = Reading.of(record)
+    for text in (found.take, found.up, found.up_reason, *found.warnings):
+        _text(text)
+    numbers = (found.start, found.source_fps, found.source_frames)
+    if not all(type(number) in (int, float) and 0 <= number < 1e15 for number in numbers):
+        raise ValueError("impossible times")
+    return replace(found, source_frames=int(found.source_frames))
+
+
+def _text(value: Any, longest: int = MAX_HEADER) -> str:
+    if not isinstance(value, str) or len(value) > longest or not is_text(value):
+        raise ValueError("no text")
+    return value
 
 
 def _wait(process: subprocess.Popen[bytes]) -> int:
@@ -219,5 +268,7 @@ def _ended(code: int, patience: float | None) -> Read:
         return Read(reason=f"reading took more than {patience:.0f} s and was ended", passes=True)
     if code == -signal.SIGKILL:
         return Read(reason="reading it was killed, perhaps because memory ran out", passes=True)
+    if code == -getattr(signal, "SIGXCPU", 0):
+        return Read(reason="reading it took too long and was ended; cut it into shorter takes")
     name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
     return Read(reason=f"reading it crashed ({name})", passes=name in ("SIGTERM", "SIGHUP", "SIGINT"))

@@ -1,8 +1,9 @@
 """The reading process: one request a line on stdin, one response on stdout, until stdin ends.
 
-It begins with READY. A request is a JSON object with the arguments of `indexer.ingest.load.read_motions`; a response is
-a JSON line with the `reason` why the file cannot be read and whether that `passes`, or with its `clips`, followed by
-their joints as float32 bytes in the same order. Files are not trusted: one that crashes or hangs costs one process.
+It begins with READY. A request is a JSON object with the limits for the file, `memory` and `seconds`, and with the
+arguments of `indexer.ingest.load.read_motions`; a response is a JSON line with the `reason` why the file cannot be read
+and whether that `passes`, or with its `clips`, followed by their joints as float32 bytes in the same order. Files are
+not trusted: one that crashes or hangs costs one process.
 """
 
 from __future__ import annotations
@@ -14,14 +15,29 @@ import sys
 from importlib import import_module
 from typing import Any
 
+import numpy as np
+
 from encoders.errors import UnreadableMotion
+from indexer.ingest import worker_limits
 from indexer.read_motion import ReadMotion
 
 READY = b"ready\n"
 
+#: Bounds of a response: frames of all clips together, 14 hours at 20 a second, bytes of the JSON line, and characters
+#: of the reason.
+MAX_FRAMES, MAX_HEADER, MAX_REASON = 1_000_000, 16 << 20, 2000
 
-def serve(target: str = "indexer.ingest.load:read_motions") -> None:
-    """Serve requests with a function named as "module:function", of the signature of `read_motions`."""
+
+def serve(target: str = "indexer.ingest.load:read_motions", parent: int | None = None) -> None:
+    """Serve requests with a function named as "module:function", of the signature of `read_motions`.
+
+    Parameters
+    ----------
+    parent : int, optional
+        The process whose end ends this one.
+    """
+    if parent is not None:
+        worker_limits.die_with(parent)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's; it ends this process by closing stdin
     module, name = target.split(":")
     function = getattr(import_module(module), name)
@@ -30,22 +46,28 @@ def serve(target: str = "indexer.ingest.load:read_motions") -> None:
     answers.write(READY)
     answers.flush()
     for line in sys.stdin.buffer:
-        header, data = _answer(function, json.loads(line))
-        answers.write(json.dumps(header).encode() + b"\n" + data)
+        request = json.loads(line)
+        worker_limits.limit(request.pop("memory"), request.pop("seconds"))
+        header, clips = _answer(function, request)
+        answers.write(_line(header) + b"\n")
+        for clip in clips:
+            answers.write(np.ascontiguousarray(clip.motion.joints).data)
         answers.flush()
 
 
-def _answer(function: Any, request: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
+def _answer(function: Any, request: dict[str, Any]) -> tuple[dict[str, Any], list[ReadMotion]]:
     try:
         clips: list[ReadMotion] = function(**request)
+        if sum(len(clip.motion) for clip in clips) > MAX_FRAMES:
+            raise UnreadableMotion(request["path"], "more than 14 hours of motion at once; cut it into shorter takes")
     except UnreadableMotion as error:
         passes = isinstance(error.__cause__, OSError)
-        return {"reason": str(error).removeprefix(f"{error.path}: "), "passes": passes}, b""
+        return {"reason": str(error).removeprefix(f"{error.path}: "), "passes": passes}, []
     except MemoryError:
-        return {"reason": "needs more memory than there is; cut it into shorter takes", "passes": False}, b""
+        return {"reason": "needs more memory than there is; cut it into shorter takes", "passes": False}, []
     except Exception as error:
         reason = f"reading failed unexpectedly ({type(error).__name__}: {error})"
-        return {"reason": reason, "passes": isinstance(error, OSError)}, b""
+        return {"reason": reason, "passes": isinstance(error, OSError)}, []
     records = [
         {
             "frames": len(clip.motion),
@@ -56,7 +78,14 @@ def _answer(function: Any, request: dict[str, Any]) -> tuple[dict[str, Any], byt
         }
         for clip in clips
     ]
-    return {"clips": records}, b"".join(clip.motion.joints.tobytes() for clip in clips)
+    return {"clips": records}, clips
+
+
+def _line(header: dict[str, Any]) -> bytes:
+    """The first line of a response, with a reason that the parent takes."""
+    if "reason" in header:
+        header["reason"] = header["reason"][:MAX_REASON].encode("utf-8", "replace").decode()
+    return json.dumps(header).encode()
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Poses on disk: joints as int16 steps in compressed chunks of ten seconds, each readable alone."""
+"""Poses on disk: joints as whole steps in compressed chunks of ten seconds, each readable alone."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import struct
 import zlib
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from encoders.errors import LibraryDamaged
 from encoders.motion import FPS, Motion
@@ -16,27 +16,37 @@ from encoders.skeleton import JOINTS
 #: Frames a chunk holds: ten seconds.
 CHUNK = round(10 * FPS)
 
-#: The finest step, in metres. Coarser only where a chunk spans more than 13 m.
+#: The step, in metres. Libraries of earlier versions have coarser ones where a chunk spans more than 13 m.
 STEP = 0.0002
 
-_HEADER = struct.Struct("<I4d")  # frames, step, origin x, y, z
+_HEADER = struct.Struct("<HH4d")  # frames, kind, step, origin x, y, z
 _LEVEL = 6
+
+#: The kinds of chunk: steps of two bytes; of four, where it spans more than 13 m; the bits of float32, where it spans
+#: more than 800 km. One absurd frame thus makes a chunk longer, and no other frame less exact.
+_NARROW, _WIDE, _BITS = range(3)
+_TYPES: dict[int, DTypeLike] = {_NARROW: np.int16, _WIDE: np.int32, _BITS: np.int32}
+_SPANS = {_NARROW: 65_000 * STEP, _WIDE: 4e9 * STEP}
 
 
 def pack(joints: NDArray[np.float32]) -> bytes:
     """One chunk of joints (T <= CHUNK, 22, 3) in metres as bytes, to within half a step.
 
-    Steps are stored as differences between frames, high and low bytes apart: slow movement
+    Steps are stored as differences between frames, each byte of them apart: slow movement
     then is mostly zeros, and deflate makes it small.
     """
     exact = joints.astype(np.float64)
     low, high = exact.min(axis=(0, 1)), exact.max(axis=(0, 1))
-    origin = (low + high) / 2
-    step = max(STEP, float((high - low).max()) / 65_000)
-    steps = np.rint((exact - origin) / step).astype(np.int16).reshape(len(joints), -1)
+    origin, span = (low + high) / 2, float((high - low).max())
+    kind = next((kind for kind, largest in _SPANS.items() if span <= largest), _BITS)
+    steps = (
+        np.ascontiguousarray(joints, np.float32).view(np.int32) if kind == _BITS else np.rint((exact - origin) / STEP)
+    )
+    steps = steps.astype(_TYPES[kind]).reshape(len(joints), -1)
     change = np.diff(steps, axis=0, prepend=np.zeros_like(steps[:1]))  # wraps, and so does the sum that undoes it
-    planes = np.ascontiguousarray(change, "<i2").view(np.uint8).reshape(-1, 2).T
-    return _HEADER.pack(len(joints), step, *origin) + zlib.compress(planes.tobytes(), _LEVEL)
+    little = np.ascontiguousarray(change, change.dtype.newbyteorder("<"))
+    planes = little.view(np.uint8).reshape(-1, change.itemsize).T
+    return _HEADER.pack(len(joints), kind, STEP, *origin) + zlib.compress(planes.tobytes(), _LEVEL)
 
 
 def unpack(blob: bytes) -> NDArray[np.float32]:
@@ -48,19 +58,22 @@ def unpack(blob: bytes) -> NDArray[np.float32]:
         If the bytes hold no chunk of poses.
     """
     try:
-        frames, step, *origin = _HEADER.unpack_from(blob)
-        size = frames * len(JOINTS) * 3 * 2
-        inflate = zlib.decompressobj()
-        raw = inflate.decompress(blob[_HEADER.size :], size + 1) if 0 < frames <= CHUNK else b""
-        if not raw or len(raw) != size:
+        frames, kind, step, *origin = _HEADER.unpack_from(blob)
+        if not 0 < frames <= CHUNK or kind not in _TYPES:
+            raise ValueError("wrong header")
+        stored = np.dtype(_TYPES[kind])
+        size = frames * len(JOINTS) * 3 * stored.itemsize
+        raw = zlib.decompressobj().decompress(blob[_HEADER.size :], size + 1)
+        if len(raw) != size:
             raise ValueError("wrong size")
     except (struct.error, zlib.error, ValueError) as error:
         raise LibraryDamaged(
             f"stored poses are damaged ({error}); delete the library folder and index again"
         ) from error
-    change = np.frombuffer(raw, np.uint8).reshape(2, -1).T.copy().view("<i2").reshape(frames, -1)
-    steps = np.cumsum(change, axis=0, dtype=np.int16).reshape(frames, len(JOINTS), 3)
-    return np.asarray(steps * step + np.array(origin), np.float32)
+    planes = np.frombuffer(raw, np.uint8).reshape(stored.itemsize, -1)
+    change = planes.T.copy().view(stored.newbyteorder("<")).reshape(frames, -1)
+    steps = np.cumsum(change, axis=0, dtype=stored).reshape(frames, len(JOINTS), 3)
+    return steps.view(np.float32) if kind == _BITS else np.asarray(steps * step + np.array(origin), np.float32)
 
 
 def read(db: sqlite3.Connection, clip_id: int) -> Motion:

@@ -1,9 +1,15 @@
 """Reading in processes: whatever a file does, it costs itself alone."""
 
+import contextlib
+import json
 import os
+import re
 import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -11,7 +17,9 @@ import pytest
 from encoders.errors import MotionSeekError, UnreadableMotion
 from encoders.motion import Motion
 from indexer.ingest.pool import Request, read_all
-from indexer.read_motion import Reading, ReadMotion
+from indexer.ingest.worker import MAX_FRAMES, MAX_HEADER
+from indexer.read_motion import NOT_KNOWN, Reading, ReadMotion
+from tests.conftest import ROOT
 from tests.indexer.folders import moving, write
 
 
@@ -33,6 +41,18 @@ def misbehave(path, fps, joint_map, up):
     if name == "chatty":
         print("{}", flush=True)
         os.write(1, b'{"frames": 1}\n')
+    if name == "glutton":
+        np.ones(3 << 28)  # 6 GB
+    if name == "busy":
+        re.fullmatch("(a|a)*b", "a" * 99)
+    if name == "forge":
+        for descriptor in range(3, 99):  # what a file may do that has taken over the process
+            with contextlib.suppress(OSError):
+                os.write(descriptor, Path(path).read_bytes())
+        time.sleep(60)
+    if name == "note":
+        (Path(path).parent / f"{os.getpid()}.pid").touch()
+        re.fullmatch("(a|a)*b", "a" * 99)  # holds on to the interpreter
     frames = int(name) if name.isdigit() else 3
     motion = Motion(np.full((frames, 22, 3), fps or 0, np.float32))
     reading = Reading(start=0.5, source_fps=120.0, source_frames=9, warnings=("a", "b"))
@@ -66,8 +86,6 @@ def test_a_motion_comes_back_as_it_was_read():
 def test_a_file_that_cannot_be_read_is_reported_and_the_rest_is_read(name, reason):
     found = read(["1", name, "2"])
     assert not found[name].clips
-    import re
-
     assert re.search(reason, found[name].reason)
     assert len(found["1"].clips[0].motion) == 1
     assert len(found["2"].clips[0].motion) == 2
@@ -130,3 +148,102 @@ def test_a_joint_map_for_other_rigs_is_left_aside(tmp_path):
     path = write(tmp_path / "a.npy", 1)
     found = dict(read_all([Request("a", path, joint_map={"head": "Kopf"})], 1))["a"]
     assert found.clips
+
+
+needs_limits = pytest.mark.skipif(sys.platform != "linux", reason="there is no limit of memory")
+
+
+@needs_limits
+def test_a_file_that_needs_too_much_memory_is_refused_and_the_process_goes_on():
+    found = read(["glutton", "1"])
+    assert found["glutton"].reason == "needs more memory than there is; cut it into shorter takes"
+    assert found["1"].clips
+
+
+@pytest.mark.skipif(os.name != "posix", reason="there is no limit of processor time")
+def test_a_file_may_not_use_the_processor_for_longer_than_its_time(monkeypatch):
+    monkeypatch.setattr(
+        "indexer.ingest.pool.threading.Timer", lambda *_: MagicMock()
+    )  # only the system's limit is left
+    found = read(["busy", "1"], patience=0.5)
+    assert found["busy"].reason == "reading it took too long and was ended; cut it into shorter takes"
+    assert not found["busy"].passes
+    assert found["1"].clips
+
+
+def test_more_frames_than_fit_are_refused():
+    assert read([str(MAX_FRAMES + 1)])[str(MAX_FRAMES + 1)].reason.endswith("cut it into shorter takes")
+
+
+RECORD = {"frames": 1, "fps": 20.0, "part": "", "rig": "", "reading": NOT_KNOWN.record()}
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        b"\xff\xfe\n",
+        b"[" * 100_000 + b"\n",
+        b'"' + b"x" * (MAX_HEADER + 10) + b'"\n',
+        b'{"clips": []}\n',
+        b'{"clips": 3}\n',
+        b'["reason"]\n',
+        b'{"reason": "\\ud800"}\n',
+        b'{"reason": 7}\n',
+        *(
+            json.dumps({"clips": [RECORD | change]}).encode() + b"\n" + bytes(264)
+            for change in (
+                {"frames": 10**12},
+                {"frames": -1},
+                {"frames": True},
+                {"frames": 1.0},
+                {"fps": float("nan")},
+                {"fps": "20"},
+                {"part": "\ud800"},
+                {"rig": ["a"]},
+                {"reading": {}},
+                {"reading": NOT_KNOWN.record() | {"warnings": [1]}},
+                {"reading": NOT_KNOWN.record() | {"start": 1e300}},
+                {"reading": NOT_KNOWN.record() | {"more": 1}},
+            )
+        ),
+        json.dumps({"clips": [RECORD]}).encode() + b"\n" + np.full(66, np.nan, "<f4").tobytes(),
+    ],
+    ids=range(21),
+)
+def test_an_answer_that_makes_no_sense_costs_its_file(tmp_path, answer):
+    (tmp_path / "forge").write_bytes(answer)
+    requests = [Request(0, tmp_path / "forge"), Request(1, Path("/nowhere/2"))]
+    found = dict(read_all(requests, 1, target="tests.indexer.ingest.test_pool:misbehave"))
+    assert "reading it gave no motion" in found[0].reason
+    assert len(found[1].clips[0].motion) == 2
+
+
+@pytest.mark.skipif(os.name != "posix", reason="processes end otherwise there")
+def test_processes_die_with_their_parent(tmp_path):
+    """Killed while one of its readers hangs, it leaves none behind."""
+    script = (
+        "from pathlib import Path\nfrom indexer.ingest.pool import Request, read_all\n"
+        f"requests = [Request(i, Path({str(tmp_path)!r}) / 'note') for i in range(2)]\n"
+        "list(read_all(requests, 2, target='tests.indexer.ingest.test_pool:misbehave'))"
+    )
+    parent = subprocess.Popen([sys.executable, "-c", script], env={**os.environ, "PYTHONPATH": str(ROOT)})
+    until = time.monotonic() + 60
+    while len(children := list(tmp_path.glob("*.pid"))) < 2 and time.monotonic() < until:
+        time.sleep(0.05)
+    parent.kill()
+    parent.wait()
+    pids = [int(child.stem) for child in children]
+    while any(map(runs, pids)) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert len(pids) == 2
+    assert not any(map(runs, pids))
+
+
+def runs(pid):
+    """Whether the process is there; one that has ended and that nobody waits for is not."""
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    state = Path(f"/proc/{pid}/stat")
+    return not (state.exists() and state.read_text().rsplit(")", 1)[1].split()[0] == "Z")
