@@ -14,6 +14,9 @@ from encoders.protocol import Encoder
 from search.query.encoding import encode_queries
 from search.query.steps import split
 
+#: Sentences of a question: each costs as much as a question of its own.
+MOST_SENTENCES = 100
+
 
 @dataclass(frozen=True)
 class Question:
@@ -43,13 +46,16 @@ class Question:
         Raises
         ------
         QueryError
-            If there is no sentence, one is not a string, or both an order and things at the same time are given.
+            If there is no sentence, one is not a string, there are too many or too long ones, or both an order and things at
+            the same time are given.
         """
         split_steps = checked_flag("split_steps", split_steps)
         steps, meanwhile = checked_sentences("then", steps), checked_sentences("meanwhile", meanwhile)
         given = [*([] if sentence is None else checked_sentences("sentence", [sentence])), *steps, *meanwhile]
         if not given or not all(any(character.isalnum() for character in text) for text in given):
             raise QueryError('the sentence is empty; describe a movement in words, such as "a person waves"')
+        if len(given) > MOST_SENTENCES:
+            raise QueryError(f"{len(given)} sentences are more than {MOST_SENTENCES}; ask in several questions")
         if meanwhile and steps:
             raise QueryError("steps in order and things at the same time exclude each other; give one of the two")
         if meanwhile:

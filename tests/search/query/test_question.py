@@ -31,3 +31,17 @@ def test_one_string_is_no_list_of_sentences(name: str) -> None:
 def test_a_sentence_is_text() -> None:
     with pytest.raises(QueryError, match="string"):
         Question.of(3)
+
+
+@pytest.mark.parametrize("name", ["sentence", "steps", "meanwhile"])
+def test_a_question_has_a_greatest_length(name: str) -> None:
+    long = "walks " * 400
+    given = long if name == "sentence" else [long]
+    with pytest.raises(QueryError, match="2400 characters; ask in at most 2000"):
+        Question.of(**{"sentence": "walks", name: given})  # type: ignore[arg-type]
+    assert Question.of("walks and " * 200).sentences
+
+
+def test_a_question_has_few_sentences() -> None:
+    with pytest.raises(QueryError, match="101 sentences are more than 100"):
+        Question.of(None, ["walks"] * 101)
