@@ -46,8 +46,8 @@ class Question:
         Raises
         ------
         QueryError
-            If there is no sentence, one is not a string, there are too many or too long ones, or both an order and things at
-            the same time are given.
+            If there is no sentence, one is not a string, there are too many or too long ones, or both an order and
+            things at the same time are given.
         """
         split_steps = checked_flag("split_steps", split_steps)
         steps, meanwhile = checked_sentences("then", steps), checked_sentences("meanwhile", meanwhile)
