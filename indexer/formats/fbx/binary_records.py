@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from struct import Struct
+from struct import error as StructError
 from typing import Any
 
 from indexer.formats.fbx.records import (
     MAX_DEPTH,
     MAX_RECORDS,
+    PROPERTIES,
     WANTED,
     DamagedFbx,
     PackedArray,
@@ -20,12 +22,12 @@ MAGIC = b"Kaydara FBX Binary  \x00\x1a\x00"
 _WIDE = 7500  # from this version on, offsets have 64 bits
 
 _SCALARS = {
-    ord(kind): (Struct(layout).unpack_from, Struct(layout).size)
+    ord(kind): (Struct(layout).unpack_from, 1 + Struct(layout).size)
     for kind, layout in {"Y": "<h", "C": "<B", "B": "<B", "I": "<i", "F": "<f", "D": "<d", "L": "<q"}.items()
 }
 _ARRAYS = {ord(kind): kind for kind in "fdlibc"}
-_ARRAY_HEADER = Struct("<III")
-_LENGTH = Struct("<I")
+_array_header, _length = Struct("<III").unpack_from, Struct("<I").unpack_from
+_READ = frozenset(name.encode() for name in PROPERTIES)
 _TEXT, _BYTES = ord("S"), ord("R")
 
 
@@ -39,7 +41,7 @@ def parse(data: bytes) -> Record:
     """
     if not data.startswith(MAGIC) or len(data) < len(MAGIC) + 4:
         raise DamagedFbx("its header is not that of a binary FBX of these days")
-    (version,) = _LENGTH.unpack_from(data, len(MAGIC))
+    (version,) = _length(data, len(MAGIC))
     parser = _Parser(data, version)
     return Record("", [version], parser.records(len(MAGIC) + 4, len(data), WANTED, 0))
 
@@ -66,49 +68,53 @@ class _Parser:
             if self.left < 0 or depth > MAX_DEPTH:
                 raise DamagedFbx(f"it holds more than {MAX_RECORDS} records, or more than {MAX_DEPTH} in one another")
             name = data[at + size : begin].decode("latin-1")
-            if wanted is None or name in wanted:
+            is_read = name in wanted if wanted is not None else True
+            if is_read and (name != "P" or length < 5 or self.is_wanted(begin)):
                 values = self.values(begin, begin + length, count)
                 inner = wanted[name] if wanted is not None else None
                 has_children = stop - begin - length > size
-                children = self.records(begin + length, stop, inner, depth + 1) if has_children else None
+                children = self.records(begin + length, stop, inner, depth + 1) if has_children else ()
                 found.append(Record(name, values, children))
             at = stop
         return found
 
     def values(self, at: int, end: int, count: int) -> list[Any]:
         """The values that stand between two places."""
-        if count > end - at:
-            raise DamagedFbx(f"the record at byte {at} announces {count} values in {end - at} bytes")
         data = self.data
         values: list[Any] = []
-        for _ in range(count):
-            if at >= end:
-                raise DamagedFbx(f"values are missing at byte {at}")
-            kind = data[at]
-            at += 1
-            scalar = _SCALARS.get(kind)
-            if scalar is not None:
-                at += scalar[1]
-                if at > end:
-                    raise DamagedFbx(f"a value at byte {at} is cut short")
-                values.append(scalar[0](data, at - scalar[1])[0])
-                continue
-            header = _ARRAY_HEADER if kind in _ARRAYS else _LENGTH
-            if not (kind in _ARRAYS or kind in (_TEXT, _BYTES)) or at + header.size > end:
-                raise DamagedFbx(f"a value at byte {at - 1} is of an unknown kind, or cut short")
-            fields = header.unpack_from(data, at)
-            at += header.size
-            content = data[at : at + fields[-1]]
-            if at + fields[-1] > end:
-                raise DamagedFbx(f"a value at byte {at} is longer than its record")
-            at += fields[-1]
-            if kind == _TEXT:
-                values.append(decode(content))
-            elif kind == _BYTES:
-                values.append(content)
-            else:
-                values.append(PackedArray(_ARRAYS[kind], fields[0], fields[1] != 0, content, self.unpacker))
+        if count > end - at:
+            raise DamagedFbx(f"the record at byte {at} announces {count} values in {end - at} bytes")
+        try:
+            for _ in range(count):
+                kind = data[at]
+                if kind == _TEXT:
+                    stop = at + 5 + _length(data, at + 1)[0]
+                    values.append(decode(data[at + 5 : stop]))
+                    at = stop
+                elif kind in _SCALARS:
+                    unpack, size = _SCALARS[kind]
+                    values.append(unpack(data, at + 1)[0])
+                    at += size
+                elif kind in _ARRAYS:
+                    number, packing, size = _array_header(data, at + 1)
+                    content = data[at + 13 : at + 13 + size]
+                    at += 13 + size
+                    values.append(PackedArray(_ARRAYS[kind], number, packing != 0, content, self.unpacker))
+                elif kind == _BYTES:
+                    at += 5 + _length(data, at + 1)[0]
+                    values.append(b"")
+                else:
+                    raise DamagedFbx(f"the value at byte {at} is of an unknown kind")
+        except (IndexError, StructError):
+            raise DamagedFbx("the file is cut short") from None
+        if at > end:
+            raise DamagedFbx(f"values at byte {end} are longer than their record")
         return values
+
+    def is_wanted(self, at: int) -> bool:
+        """Whether the property whose values begin at a place is one that is read."""
+        data = self.data
+        return data[at : at + 1] != b"S" or data[at + 5 : at + 5 + _length(data, at + 1)[0]] in _READ
 
 
 def decode(text: bytes) -> str:

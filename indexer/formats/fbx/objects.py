@@ -55,6 +55,8 @@ class FbxScene:
         Units of time in a second.
     up : str or None
         The axis that is up.
+    unit : float
+        Centimetres in a unit.
     has_constraints : bool
     """
 
@@ -66,6 +68,7 @@ class FbxScene:
     fps: float | None = None
     ticks: int = _TICKS
     up: str | None = None
+    unit: float = 1.0
     has_constraints: bool = False
 
 
@@ -149,6 +152,7 @@ def _read_settings(scene: FbxScene, record: Record | None) -> None:
         scene.fps = _RATES[mode]
     if scene.fps is not None and not 1 <= scene.fps <= 1000:
         scene.fps = None
+    scene.unit = settings.get("UnitScaleFactor", (1.0,))[0]
     axis, sign = settings.get("UpAxis", (-1,))[0], settings.get("UpAxisSign", (1,))[0]
     if axis in (0, 1, 2):
         scene.up = ("" if sign > 0 else "-") + "xyz"[int(axis)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zlib
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,20 +11,33 @@ from numpy.typing import NDArray
 
 #: What is read of a file, None for a record with all that is in it; meshes, textures and the like are passed over.
 Wanted = dict[str, Any]
-_PROPERTIES: Wanted = {"Properties60": None, "Properties70": None}
+#: The arrays of a curve, and what it does beyond its keys.
+CURVE = ("KeyTime", "KeyValueFloat", "KeyAttrFlags", "KeyAttrDataFloat", "KeyAttrRefCount",
+         "Pre-Extrapolation", "Post-Extrapolation")  # fmt: skip
+_ROWS: Wanted = {"P": None, "Property": None}
+_PROPERTIES: Wanted = {"Properties60": _ROWS, "Properties70": _ROWS}
+#: The properties that are read of objects.
+PROPERTIES = frozenset(
+    """
+    Lcl Translation|Lcl Rotation|Lcl Scaling|PreRotation|PostRotation|RotationOrder|InheritType
+    RotationOffset|RotationPivot|ScalingOffset|ScalingPivot
+    UpAxis|UpAxisSign|UnitScaleFactor|TimeMode|CustomFrameRate|LocalStart|LocalStop|ReferenceStart|ReferenceStop
+    BlendMode|Weight|RotationAccumulationMode|ScaleAccumulationMode
+    """.strip().replace("\n    ", "|").split("|")
+) | {"d|X", "d|Y", "d|Z", "d|Weight"}  # fmt: skip
 WANTED: Wanted = {
     "FBXHeaderExtension": {"FBXVersion": None, "OtherFlags": None},
-    "GlobalSettings": None,
-    "Definitions": None,
+    "GlobalSettings": _PROPERTIES,
+    "Definitions": {"ObjectType": {"PropertyTemplate": _PROPERTIES}},
     "Objects": {
         "Model": _PROPERTIES,
         "Deformer": {"TransformLink": None},
         "Pose": None,
-        "GlobalSettings": None,
-        "AnimationStack": None,
-        "AnimationLayer": None,
-        "AnimationCurveNode": None,
-        "AnimationCurve": None,
+        "GlobalSettings": _PROPERTIES,
+        "AnimationStack": _PROPERTIES,
+        "AnimationLayer": _PROPERTIES,
+        "AnimationCurveNode": _PROPERTIES,
+        "AnimationCurve": dict.fromkeys(CURVE),
         "Constraint": {},
     },
     "Connections": None,
@@ -45,10 +59,10 @@ class Record:
 
     __slots__ = ("children", "name", "values")
 
-    def __init__(self, name: str, values: list[Any], children: list[Record] | None = None) -> None:
+    def __init__(self, name: str, values: list[Any], children: Sequence[Record] = ()) -> None:
         self.name = name
         self.values = values
-        self.children = children if children is not None else []
+        self.children = children
 
     def find(self, name: str) -> Record | None:
         """The first record of a name within this one."""

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from indexer.formats.fbx.animation_curves import Curve, read_curve, sample
+from indexer.formats.fbx.animation_curves import Curve, CurveReader
 from indexer.formats.fbx.euler import euler_to_quaternion, multiply, quaternion_to_euler, slerp
+from indexer.formats.fbx.key_interpolation import sample
 from indexer.formats.fbx.objects import FbxScene, Identity, identity_of, name_of, properties
 from indexer.formats.fbx.records import Record
 
@@ -67,9 +68,16 @@ class Stack:
 
     def key_span(self) -> tuple[float, float] | None:
         """The times of the first and the last key, in ticks."""
-        curves = [curve for layer in self.layers for channel in layer.channels.values() for curve in channel.curves]
-        times = [(float(curve.times[0]), float(curve.times[-1])) for curve in curves if curve is not None]
+        times = [(float(curve.times[0]), float(curve.times[-1])) for curve in self._curves()]
         return (min(first for first, _ in times), max(last for _, last in times)) if times else None
+
+    def key_count(self) -> int:
+        """How many keys there are."""
+        return sum(len(curve.times) for curve in self._curves())
+
+    def _curves(self) -> list[Curve]:
+        curves = [curve for layer in self.layers for channel in layer.channels.values() for curve in channel.curves]
+        return [curve for curve in curves if curve is not None]
 
 
 def read_stacks(root: Record, scene: FbxScene) -> list[Stack]:
@@ -91,11 +99,11 @@ def read_stacks(root: Record, scene: FbxScene) -> list[Stack]:
     targets: dict[Identity, tuple[Identity, str]] = {
         source: (target, name) for target, pairs in scene.sources.items() for source, name in pairs if name
     }
-    spans = _spans(root)
+    spans, reader = _spans(root), CurveReader()
     stacks = []
     for record in objects.all("AnimationStack"):
         layers = [
-            _layer(records[source], scene, records, targets)
+            _layer(records[source], scene, records, targets, reader)
             for source, _ in scene.sources.get(identity_of(record), ())
             if source in records and records[source].name == "AnimationLayer"
         ]
@@ -125,7 +133,11 @@ def _spans(root: Record) -> dict[str, tuple[float, float]]:
 
 
 def _layer(
-    record: Record, scene: FbxScene, records: dict[Identity, Record], targets: dict[Identity, tuple[Identity, str]]
+    record: Record,
+    scene: FbxScene,
+    records: dict[Identity, Record],
+    targets: dict[Identity, tuple[Identity, str]],
+    reader: CurveReader,
 ) -> Layer:
     stated = properties(record)
     blend = int(stated.get("BlendMode", (0,))[0])
@@ -142,13 +154,13 @@ def _layer(
             continue
         target, name = targets[identity]
         if target == identity_of(record) and name == "Weight":
-            layer.weight = _channel(node, scene, records)
+            layer.weight = _channel(node, scene, records, reader)
         elif target in scene.places and name in TRANSFORMS:
-            layer.channels[scene.places[target], name] = _channel(node, scene, records)
+            layer.channels[scene.places[target], name] = _channel(node, scene, records, reader)
     return layer
 
 
-def _channel(node: Record, scene: FbxScene, records: dict[Identity, Record]) -> AxisCurves:
+def _channel(node: Record, scene: FbxScene, records: dict[Identity, Record], reader: CurveReader) -> AxisCurves:
     stated = properties(node)
     defaults = [float(stated.get(f"d|{axis}", (0.0,))[0]) for axis in "XYZ"]
     curves: list[Curve | None] = [None, None, None]
@@ -156,19 +168,19 @@ def _channel(node: Record, scene: FbxScene, records: dict[Identity, Record]) -> 
         axis = {"d|X": 0, "d|Y": 1, "d|Z": 2, "d|Weight": 0}.get(name)
         record = records.get(identity)
         if axis is not None and record is not None and record.name == "AnimationCurve":
-            curves[axis] = read_curve(record)
+            curves[axis] = reader.read(record)
     if "d|Weight" in stated:
         defaults[0] = float(stated["d|Weight"][0])
     return AxisCurves((defaults[0], defaults[1], defaults[2]), (curves[0], curves[1], curves[2]))
 
 
-def move(stack: Stack, scene: FbxScene, joints: set[int], ticks: Floats) -> dict[Target, Floats]:
+def move(stack: Stack, scene: FbxScene, models: set[int], ticks: Floats) -> dict[Target, Floats]:
     """Values (3, T) of what moves of some models, at times (T,) in ticks."""
     channels = [
         (layer, target, channel)
         for layer in stack.layers
         for target, channel in layer.channels.items()
-        if target[0] in joints
+        if target[0] in models
     ]
     values = _channel_values([channel for _, _, channel in channels], ticks, scene.ticks)
     weights = _channel_values([layer.weight for layer in stack.layers], ticks, scene.ticks)[:, 0] / 100

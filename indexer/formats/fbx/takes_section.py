@@ -15,6 +15,7 @@ from indexer.formats.fbx.animation_curves import (
     TIME_INDEPENDENT,
     TO_NEXT,
     USER,
+    Attributes,
     Curve,
     checked,
     extrapolations,
@@ -76,7 +77,7 @@ def _curve(record: Record) -> Curve | None:
     """
     key = record.find("Key")
     count = int(record.number("KeyCount", 0))
-    if key is None or not count:
+    if key is None or count <= 0:
         return None
     entries: list[Any] = []
     for value in key.values:
@@ -95,11 +96,8 @@ def _curve(record: Record) -> Curve | None:
     if flags[0] & CLAMP_PROGRESSIVE:
         numbers[0, 2:4] = 0
     ones = np.ones(count, np.int64)
-    curve = Curve(
-        numbers[:, 0].astype(np.int64), numbers[:, 1], ones, flags, numbers[:, 2:4], numbers[:, 4:], np.zeros(count),
-        *extrapolations(record),
-    )  # fmt: skip
-    return checked(curve)
+    attributes = Attributes.of(ones, flags, numbers[:, 2:4], numbers[:, 4:], np.zeros(count))
+    return checked(Curve(numbers[:, 0].astype(np.int64), numbers[:, 1], attributes, *extrapolations(record)))
 
 
 def _key(rest: Iterator[Any]) -> tuple[list[float], int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -71,7 +72,7 @@ class _Parser:
             if has_children:
                 self.pass_over()
             return None
-        children: list[Record] = []
+        children: Sequence[Record] = ()
         if has_children:
             self.at += 1
             children = self.records(wanted[name] if wanted is not None else None, depth + 1)

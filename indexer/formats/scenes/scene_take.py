@@ -28,7 +28,7 @@ def scene_take(
     *,
     fps: float,
     name: str,
-    up: str,
+    up: str | None,
 ) -> Take:
     """Sample joints, and a tip straight on from each last one that turns.
 
