@@ -34,7 +34,7 @@ def test_content_decides_before_the_ending(tmp_path: Path) -> None:
     [
         ("a.bvh", b"", "empty"),
         ("a.bvh", b" \n\n", "empty"),
-        ("a.fbx", b"Kaydara FBX Binary  \x00\x1a\x00", "FBX is damaged"),
+        ("a.fbx", b"Kaydara FBX Binary  \x00\x1a\x00", "FBX cannot be read: its header"),
         ("a.glb", b"glTF\x02\x00\x00\x00", "the GLB is cut short"),
         ("a.c3d", b"\x02P\x00\x00", "C3D cannot be read"),
         ("a.zip", b"PK\x03\x04", "damaged or no ZIP"),
