@@ -9,6 +9,7 @@ from encoders.arguments import finite_number, is_text, shown, whole_number
 from encoders.errors import ArgumentError
 from encoders.protocol import Encoder
 from encoders.skeleton import JOINTS
+from indexer.take import UP_AXES
 
 #: Frame rates that can be given, in frames a second, and numbers of reading processes.
 LOWEST_RATE, HIGHEST_RATE = 1, 10_000
@@ -33,6 +34,19 @@ def checked_rate(fps: Any, name: str = "fps") -> float | None:
     if rate is None or not LOWEST_RATE <= rate <= HIGHEST_RATE:
         raise ArgumentError(f"{name}={shown(fps)} must be a number of frames a second, {LOWEST_RATE} to {HIGHEST_RATE}")
     return rate
+
+
+def checked_up(up: Any) -> str | None:
+    """An axis that is up, one of `UP_AXES`, or None.
+
+    Raises
+    ------
+    ArgumentError
+        If it is anything else.
+    """
+    if up is not None and up not in UP_AXES:
+        raise ArgumentError(f"up={shown(up)} must be one of {', '.join(UP_AXES)}")
+    return None if up is None else str(up)
 
 
 def checked_jobs(jobs: Any) -> int | None:

@@ -119,37 +119,42 @@ def find_clip(library: StoredLibrary, ref: str | PathLike[str]) -> Clip | None:
         return None
 
 
-def find_source(ref: str | PathLike[str], library: StoredLibrary | None, *, fps: float | None = None) -> MotionSource:
+def find_source(
+    ref: str | PathLike[str], library: StoredLibrary | None, *, fps: float | None = None, up: str | None = None
+) -> MotionSource:
     """What a reference names.
 
     Parameters
     ----------
     fps : float, optional
         The true frame rate of what is meant; a clip is then read anew from its file.
+    up : str, optional
+        The axis that is up in its file; a clip is then read anew, too.
 
     Raises
     ------
     UnreadableMotion, UnknownClip
         If it names nothing, or a file that cannot be read.
     QueryError
-        If it names a clip that was added as an array, with a frame rate.
+        If it names a clip that was added as an array, with a frame rate or an axis.
     """
     if isdir(ref) and (library is None or not library.matches(ref)):
         raise UnreadableMotion(ref, "this is a folder; name a file in it, or a clip of a library by path, name or #id")
     if library is None:
         if not exists(ref) and not is_file(split_name(ref)[0]):
             raise UnreadableMotion(ref, "there is no such file, and no library is given that could hold such a clip")
-        return MotionSource.of_file(ref, fps=fps)
+        return MotionSource.of_file(ref, fps=fps, up=up)
     try:
         clip = find_clip(library, ref)
     except UnknownClip as error:
         raise UnknownClip(f"{error}{_suggestion(library, fspath(ref))}") from None
     if clip is None:
-        return MotionSource.of_file(ref, library, fps=fps)
-    if fps is not None:
+        return MotionSource.of_file(ref, library, fps=fps, up=up)
+    if fps is not None or up is not None:
         if clip.file is None:
-            raise QueryError(f"{clip.path}: was added as an array; it has no file to read at another frame rate")
-        source = MotionSource.of_file(with_part(str(clip.file), clip.part), library, fps=fps)
+            change = "at another frame rate" if up is None else "with another axis up"
+            raise QueryError(f"{clip.path}: was added as an array; it has no file to read {change}")
+        source = MotionSource.of_file(with_part(str(clip.file), clip.part), library, fps=fps, up=up)
         return replace(source, path=clip.path, clip_id=clip.id, root=clip.root_name)
     return MotionSource.of_clip(library, clip)
 

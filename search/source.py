@@ -92,7 +92,12 @@ class MotionSource:
 
     @classmethod
     def of_file(
-        cls, path: str | PathLike[str], library: StoredLibrary | None = None, *, fps: float | None = None
+        cls,
+        path: str | PathLike[str],
+        library: StoredLibrary | None = None,
+        *,
+        fps: float | None = None,
+        up: str | None = None,
     ) -> MotionSource:
         """A file, read now, with the read options of a library where one is given.
 
@@ -100,13 +105,18 @@ class MotionSource:
         ----------
         fps : float, optional
             The file's true frame rate, over what it says or the library knows.
+        up : str, optional
+            The axis that is up, over what the file says or the library knows.
 
         Raises
         ------
         UnreadableMotion
             If it cannot be read.
         """
-        read = read_motion(fspath(path), fps) if library is None else read_unindexed(library, Path(path), fps=fps)
+        if library is None:
+            read = read_motion(fspath(path), fps, up=up)
+        else:
+            read = read_unindexed(library, Path(path), fps=fps, up=up)
         file, part = split_name(path)
         return replace(cls.of_motion(read.motion, fspath(path), file), part=part, reading=read.reading)
 

@@ -31,20 +31,24 @@ class RequestedOptions:
         Target joint to joint name in the file.
     retry : bool
         Read unchanged files again that could not be read.
+    up : str or None
+        The axis that is up.
     """
 
     fps: float | None = None
     joint_map: Mapping[str, str] | None = None
     retry: bool = False
+    up: str | None = None
 
     def for_file(self, stated_rate: float | None, before: ReadOptions | None) -> ReadOptions:
         """The options for a file with a frame rate from a captions table, if any, and the options it was read with."""
         before = before or ReadOptions()
         joint_map = before.joint_map if self.joint_map is None else tuple(sorted(self.joint_map.items()))
+        up = self.up or before.up
         if stated_rate is not None:
-            return ReadOptions(stated_rate, True, joint_map, read_options.READER_VERSION, before.up)
+            return ReadOptions(stated_rate, True, joint_map, read_options.READER_VERSION, up)
         given_before = None if before.from_table else before.fps
-        return ReadOptions(self.fps or given_before, False, joint_map, read_options.READER_VERSION, before.up)
+        return ReadOptions(self.fps or given_before, False, joint_map, read_options.READER_VERSION, up)
 
 
 @dataclass

@@ -17,6 +17,7 @@ from indexer.argument_checks import (
     checked_jobs,
     checked_joint_map,
     checked_rate,
+    checked_up,
 )
 from indexer.ingest import side_files
 from indexer.ingest.changes import Changes, RequestedOptions, compare, looked_at_again, record
@@ -104,6 +105,7 @@ def index(
     jobs: int | None = None,
     fps: float | None = None,
     joint_map: Mapping[str, str] | None = None,
+    up: str | None = None,
     retry: bool = False,
     rebuild: bool = False,
     progress: Progress | None = None,
@@ -129,6 +131,8 @@ def index(
         need not give them.
     joint_map : mapping, optional
         Target joint to joint name in the files; for those that have all these joints.
+    up : str, optional
+        The axis that is up in the files, "x", "y", "z", "-x", "-y" or "-z", whatever they say; recorded as is `fps`.
     retry : bool
         Read unchanged files again that could not be read before.
     rebuild : bool
@@ -150,7 +154,9 @@ def index(
     """
     began = time.monotonic()
     bundle, jobs = checked_encoder(bundle), checked_jobs(jobs)
-    requested = RequestedOptions(checked_rate(fps), checked_joint_map(joint_map), checked_flag("retry", retry))
+    requested = RequestedOptions(
+        checked_rate(fps), checked_joint_map(joint_map), checked_flag("retry", retry), checked_up(up)
+    )
     rebuild = checked_flag("rebuild", rebuild)
     if progress is not None and not callable(progress):
         raise ArgumentError(f"progress={progress!r} must be a function")

@@ -9,7 +9,7 @@ from os import PathLike
 from encoders.arguments import checked_path
 from encoders.errors import UnreadableMotion
 from encoders.motion import Motion
-from indexer.argument_checks import checked_joint_map, checked_rate
+from indexer.argument_checks import checked_joint_map, checked_rate, checked_up
 from indexer.ingest.file_parts import read_part, read_parts
 from indexer.read_motion import ReadMotion
 from indexer.rigs.retarget import retarget, retarget_with_reading
@@ -17,7 +17,11 @@ from indexer.take import Take
 
 
 def load_motion(
-    path: str | PathLike[str], *, fps: float | None = None, joint_map: dict[str, str] | None = None
+    path: str | PathLike[str],
+    *,
+    fps: float | None = None,
+    joint_map: dict[str, str] | None = None,
+    up: str | None = None,
 ) -> Motion:
     """Read a motion file of any rig and bring it to the 22 joints at 20 frames a second.
 
@@ -30,6 +34,8 @@ def load_motion(
         The file's true frame rate, where it says none or a wrong one.
     joint_map : dict, optional
         Target joint to joint name in the file, over what is found by itself.
+    up : str, optional
+        The axis that is up, "x", "y", "z", "-x", "-y" or "-z", whatever the file says.
 
     Raises
     ------
@@ -41,8 +47,9 @@ def load_motion(
         If its skeleton cannot be mapped; names what is missing.
     """
     file, rate, names = checked_path("path", path), checked_rate(fps), checked_joint_map(joint_map)
-    part = read_part(file, fps=rate)
-    return retarget(part.take, path=part.file, joint_map=names)
+    axis, part = checked_up(up), read_part(file, fps=rate)
+    take = part.take if axis is None else replace(part.take, up=axis, up_is_certain=True)
+    return retarget(take, path=part.file, joint_map=names)
 
 
 def read_motions(
@@ -101,4 +108,4 @@ def _retargeted(path: str, take: Take, joint_map: dict[str, str] | None, up: str
         if not unknown:
             raise
         raise UnreadableMotion(path, f"{error.reason} (the joint map given names {unknown[0]!r}, not in it)") from None
-    return ReadMotion(motion, part, rig, reading)
+    return ReadMotion(motion, part, rig, reading if up is None else replace(reading, up_reason="given"))

@@ -21,7 +21,9 @@ from indexer.store.read_options import ReadOptions
 from indexer.store.stored_library import StoredLibrary
 
 
-def read_unindexed(library: StoredLibrary, path: Path, *, fps: float | None = None) -> ReadMotion:
+def read_unindexed(
+    library: StoredLibrary, path: Path, *, fps: float | None = None, up: str | None = None
+) -> ReadMotion:
     """The motion of a file that is no clip of the library, read with `known_options`.
 
     Where the library does not know the file and its format states no frame rate, the rate given for all clips of the
@@ -33,6 +35,8 @@ def read_unindexed(library: StoredLibrary, path: Path, *, fps: float | None = No
         The file, or `file#part`.
     fps : float, optional
         The file's true frame rate, over what the library knows.
+    up : str, optional
+        The axis that is up, over what the library knows.
 
     Raises
     ------
@@ -45,12 +49,12 @@ def read_unindexed(library: StoredLibrary, path: Path, *, fps: float | None = No
     file, _ = split_name(path)
     known = known_options(library, file)
     options = known or ReadOptions()
-    read = read_motion(str(path), fps or options.fps, dict(options.joint_map) or None, options.up)
+    read = read_motion(str(path), fps or options.fps, dict(options.joint_map) or None, up or options.up)
     row = table.READABLE.get(file.suffix.lower())
     if known is None and fps is None and row is not None and not row.states_fps:
         rate = _rate_of_rig(library, read.rig, row.ending.lstrip("."))
         if rate is not None:
-            read = read_motion(str(path), rate)
+            read = read_motion(str(path), rate, up=up)
     return read
 
 

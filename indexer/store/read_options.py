@@ -9,6 +9,8 @@ The frame rate of a file is the first that is known of
 5. `default_fps` of its format in `indexer.formats.table`.
 
 `indexer.ingest.changes.RequestedOptions.for_file` decides 1 to 3, `indexer.formats.reading.read_takes` 4 and 5.
+The axis that is up is that of `--up` of this run, or `up` of `motionseek.index`, else that of an earlier run, else what
+`indexer.rigs.up_axis` finds.
 For a file that is not indexed see `indexer.ingest.unindexed`, in which `fps` of the call comes first.
 """
 

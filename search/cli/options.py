@@ -57,6 +57,8 @@ fps = click.option(
     type=click.FloatRange(1, 10_000),
     help="Frame rate of the file, overriding the one it states or was indexed with.",
 )
+AXES = ("x", "y", "z", "-x", "-y", "-z")
+up = click.option("--up", type=click.Choice(AXES), help="The axis of the file that is up, whatever it says.")
 end = click.option("--end", type=click.FloatRange(min=0), help="End of the span in seconds.")
 
 _FILTERS = (
@@ -123,7 +125,7 @@ def names_clip(text: str, folder: str | None) -> bool:
 
 @contextmanager
 def open_source(
-    ref: str, folder: str | None, *, fps: float | None = None
+    ref: str, folder: str | None, *, fps: float | None = None, up: str | None = None
 ) -> Iterator[tuple[Encoder, MotionSource, Library | None]]:
     """The model, the motion that `ref` names, and the library, None for a file without one.
 
@@ -142,11 +144,11 @@ def open_source(
             raise
         around = None if folder or os.environ.get(VARIABLE) else _library_around(Path(ref))
         if around is None:
-            yield Bundle.load(), find_source(ref, None, fps=fps), None
+            yield Bundle.load(), find_source(ref, None, fps=fps, up=up), None
             return
         library = around
     with library:
-        yield library.bundle, find_source(ref, library, fps=fps), library
+        yield library.bundle, find_source(ref, library, fps=fps, up=up), library
 
 
 def _library_around(file: Path) -> Library | None:

@@ -21,10 +21,18 @@ from search.cli import options
     help="Maximum number of sentences.",
 )
 @options.fps
+@options.up
 @options.library
 @options.as_json
 def describe(
-    ref: str, start: float | None, end: float | None, k: int, fps: float | None, folder: str | None, as_json: bool
+    ref: str,
+    start: float | None,
+    end: float | None,
+    k: int,
+    fps: float | None,
+    up: str | None,
+    folder: str | None,
+    as_json: bool,
 ) -> None:
     """Describe CLIP, or a span of it, in sentences.
 
@@ -40,7 +48,7 @@ def describe(
     from search.documents import description_document
     from search.ranking.description import describe_motion
 
-    with options.open_source(ref, folder, fps=fps) as (bundle, source, library):
+    with options.open_source(ref, folder, fps=fps, up=up) as (bundle, source, library):
         texts, _, vectors = library.caption_vectors() if library else ((), None, None)
         sentences = describe_motion(bundle, source.cut(start, end), k, texts, vectors)
     if as_json:

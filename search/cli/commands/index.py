@@ -32,6 +32,7 @@ _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 )
 @click.option("--jobs", type=click.IntRange(1, 256), help="Number of reading processes. [default: one per core]")
 @click.option("--fps", type=click.FloatRange(1, 10_000), help="Frame rate of files that state none or a wrong one.")
+@click.option("--up", type=click.Choice(options.AXES), help="The axis that is up in the files, whatever they say.")
 @click.option(
     "--joint-map",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
@@ -45,6 +46,7 @@ def index(
     library: str | None,
     jobs: int | None,
     fps: float | None,
+    up: str | None,
     joint_map: Path | None,
     rebuild: bool,
     retry: bool,
@@ -80,6 +82,7 @@ def index(
             library=library,
             jobs=jobs,
             fps=fps,
+            up=up,
             joint_map=names,
             retry=retry,
             rebuild=rebuild,

@@ -28,6 +28,7 @@ from search.cli import options
 @options.hits
 @options.filters
 @options.fps
+@options.up
 @options.library
 @options.as_json
 def moments(
@@ -42,6 +43,7 @@ def moments(
     force: bool,
     k: int,
     fps: float | None,
+    up: str | None,
     folder: str | None,
     as_json: bool,
     **filters: Any,
@@ -78,6 +80,8 @@ def moments(
     if ref is None:
         if fps is not None:
             raise click.UsageError("--fps needs a CLIP")
+        if up is not None:
+            raise click.UsageError("--up needs a CLIP")
         with options.open_library(folder) as library:
             found = library.answer(question, None, k, **filters)
             terminal.moments(question, found, library, as_json=as_json, filters=filters)
@@ -88,7 +92,7 @@ def moments(
     from search.moments.queried_motion import QueriedMotion
 
     refuse_filters(filters)
-    with options.open_source(ref, folder, fps=fps) as (bundle, source, in_library):
+    with options.open_source(ref, folder, fps=fps, up=up) as (bundle, source, in_library):
         motion = QueriedMotion(bundle, source, question.encode(bundle))
         found = moments_of(motion, k)
         curve = motion.curve()

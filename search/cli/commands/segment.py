@@ -21,6 +21,7 @@ from search.cli import options
 )
 @options.force
 @options.fps
+@options.up
 @options.library
 @options.as_json
 def segment(
@@ -30,6 +31,7 @@ def segment(
     out: Path | None,
     force: bool,
     fps: float | None,
+    up: str | None,
     folder: str | None,
     as_json: bool,
 ) -> None:
@@ -61,7 +63,7 @@ def segment(
         if write is None:
             raise click.UsageError(f"{out}: unsupported format; use {', '.join(FORMATS)}")
         options.refuse_overwriting(out, force)
-    with options.open_source(ref, folder, fps=fps) as (bundle, source, library):
+    with options.open_source(ref, folder, fps=fps, up=up) as (bundle, source, library):
         if captions:
             names = sorted(set(library.caption_vectors()[0])) if library else []
             if not names:

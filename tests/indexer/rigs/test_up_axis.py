@@ -7,8 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from encoders.errors import ArgumentError
 from encoders.skeleton import INDEX
+from indexer.ingest.indexing import index
 from indexer.ingest.load import load_motion
+from indexer.store.stored_library import StoredLibrary
+from indexer.take import UP_AXES
+from tests.indexer.performances import bvh, performance
 
 #: Height of the head over the pelvis, in metres.
 CASES = {
@@ -34,3 +39,24 @@ def test_who_does_not_stand_is_not_stood_upright(shared: Path, case: str) -> Non
     joints = load_motion(shared / "cases" / "files" / case).joints
     height = joints[:, INDEX["head"], 1] - joints[:, INDEX["pelvis"], 1]
     assert float(np.mean(height)) == pytest.approx(CASES[case], abs=0.04)
+
+
+def test_a_given_axis_is_up_whatever_the_movement_looks_like(tmp_path: Path) -> None:
+    path = tmp_path / "take.bvh"
+    path.write_text(bvh(performance()), encoding="utf-8")
+    found = {axis: load_motion(path, up=axis).joints for axis in UP_AXES}
+    height = {axis: float((joints[:, INDEX["head"]] - joints[:, 0])[:, 1].mean()) for axis, joints in found.items()}
+    assert height["y"] > 0.5
+    assert height["-y"] < -0.5
+    assert abs(height["z"]) < 0.3
+    with pytest.raises(ArgumentError, match="up='upwards' must be one of x, y, z"):
+        load_motion(path, up="upwards")
+
+
+def test_a_given_axis_is_remembered(tmp_path: Path) -> None:
+    (tmp_path / "take.bvh").write_text(bvh(performance()), encoding="utf-8")
+    index(tmp_path, jobs=1, up="z")
+    index(tmp_path, jobs=1)
+    with StoredLibrary.open(tmp_path) as library:
+        (clip,) = library.clips()
+        assert (clip.up, clip.up_reason) == ("z", "given")
