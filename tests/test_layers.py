@@ -20,7 +20,7 @@ ROOMS = {
         "errors arguments skeleton geometry english drawing motion features protocol bundle metrics corpus tmr".split()
     ),
     "indexer": (
-        "argument_checks take part_names read_motion formats rigs vectors store ingest maintenance datasets".split()
+        "take argument_checks part_names read_motion formats rigs vectors store ingest maintenance datasets".split()
     ),
     "search": (
         "spans hits source references query ranking moments documents export drawing library standalone "

@@ -20,8 +20,8 @@ from indexer.take import UP_AXES
 AXES = np.vstack([np.eye(3), -np.eye(3)])
 
 #: Expected where a file says nothing: nearly all are Y up, many Z up.
-_HABIT = np.array([-5.0, 0.0, -1.3, -5.0, -5.0, -5.0])
-_STATED, _AT_REST = 3.0, 2.2  # what the axis that a file states, or that of a standing rest pose, is before others
+_HABIT = np.array([-5.0, 0.0, -1.0, -5.0, -5.0, -5.0])
+_STATED, _AT_REST = 3.0, 2.6  # what the axis that a file states, or that of a standing rest pose, is before others
 _FRAMES = 2000  # enough to tell
 _NEAR, _SUPPORT = 0.12, 0.25  # leg lengths above the lowest point in which joints touch the ground, and carry the body
 _INVERTED = -0.3  # mean cosine below which a body is no less likely
