@@ -195,6 +195,11 @@ def index(
         encode_captions(writer, bundle, model_id)
     with StoredLibrary.open(place, bundle=bundle) as made:
         made.prepare()
+        if made.indexes.unsaved:
+            summary.warnings.append(
+                f"{made.folder / 'vectors'}: cannot be written ({made.indexes.unsaved}), which makes "
+                "each search slower; make room and run 'motionseek index' again"
+            )
     summary.seconds = time.monotonic() - began
     return summary
 

@@ -63,7 +63,8 @@ def _exclusive(folder: Path, holder: Path) -> Iterator[None]:
         if connection is not None:
             connection.close()
         if "locked" not in str(error):
-            raise LibraryError(f"{folder}: cannot be written ({error}); use another (library=, --library)") from error
+            advice = "make room" if "full" in str(error) else "use another (library=, --library)"
+            raise LibraryError(f"{folder}: cannot be written ({error}); {advice}") from error
         raise LibraryLocked(
             f"{folder}: being written by {_read(holder)}; wait until that is done, or end it"
         ) from error

@@ -47,6 +47,8 @@ class LibraryIndexes:
         self._folder = folder
         self._lock = threading.Lock()
         self._held: dict[str, list[_Held]] = {CLIPS.name: [], WINDOWS.name: []}
+        #: Why an index could not be saved, so that each process makes its own; empty if it could.
+        self.unsaved = ""
 
     def current(self, kind: IndexKind, connection: sqlite3.Connection, *, serving: bool = False) -> FaissIndex:
         """The index of this kind as of the snapshot that the connection reads.
@@ -96,8 +98,8 @@ class LibraryIndexes:
         if len(index) and os.access(self._folder.parent, os.W_OK):
             try:
                 return save(index, self._folder, kind.name, origin, mapped=not serving)
-            except (OSError, RuntimeError):  # FAISS raises RuntimeError where a file cannot be written
-                pass
+            except (OSError, RuntimeError) as error:  # FAISS raises RuntimeError where a file cannot be written
+                self.unsaved = getattr(error, "strerror", None) or "a file cannot be written"
         return index
 
 
