@@ -157,3 +157,15 @@ def test_an_archive_that_cannot_be_opened_now_keeps_its_clips(root, bundle, monk
 def test_naming_what_is_not_in_it_says_so(root):
     with pytest.raises(UnreadableMotion, match="no such file in the archive"):
         motionseek.load(root / "sub" / "pack.zip" / "none.npy")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="symbolic links need a privilege there")
+def test_a_clip_is_found_by_the_path_of_the_link_that_it_was_read_from(root, bundle):
+    write(root / ".store" / "key.npy", 8)
+    (root / "day").symlink_to(".store", target_is_directory=True)
+    (root / "linked.npy").symlink_to(write(root.parent / "elsewhere.npy", 9))
+    index(root, bundle=bundle, jobs=1)
+    with motionseek.open(root, bundle=bundle) as library:
+        for name in ("linked.npy", "day/key.npy"):
+            assert library.source(root / name).clip_id == library.find(name).id == library.find(root / name).id
+            assert library.source(name).stale() == ""
