@@ -245,6 +245,8 @@ def test_no_command_loads_torch(indexed: Path, tiny_bundle: Path, tmp_path: Path
         ["render", "take 3", str(tmp_path / "x.gif"), "--size", "64", *library],
         ["status", *library],
         ["list", *library],
+        ["check", *library],
+        ["forget", "--gone", *library],
         ["model", "info"],
     ]
     (tmp_path / "none").mkdir()
