@@ -9,11 +9,15 @@ from contextlib import suppress
 import uvicorn
 from starlette.types import ASGIApp
 
+from search.server.connections import KEEP_SECONDS, BoundedProtocol
+
 PORT = 8420
 
 #: Ports tried, the default one first.
 PORTS_TRIED = 20
 _GRACE = 3  # seconds for requests in flight at shutdown
+#: Connections accepted before those accepted are looked at, each of which takes a file descriptor.
+_BACKLOG = 256
 
 
 class PortTaken(OSError):
@@ -49,7 +53,7 @@ def _bound(host: str, port: int) -> socket.socket:
         if not hasattr(socket, "SO_EXCLUSIVEADDRUSE"):
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listening.bind(address)
-        listening.listen(2048)
+        listening.listen(_BACKLOG)
     except OSError:
         listening.close()
         raise
@@ -70,15 +74,20 @@ def serve(app: ASGIApp, listening: socket.socket, *, ready: Callable[[], None] =
             await super().startup(sockets)
             ready()
 
-    config = uvicorn.Config(
+    Server(configured(app)).run(sockets=[listening])
+
+
+def configured(app: ASGIApp) -> uvicorn.Config:
+    """How uvicorn serves the app."""
+    return uvicorn.Config(
         app,
         log_level="warning",
         access_log=False,
         server_header=False,
         proxy_headers=False,
-        timeout_keep_alive=30,
+        http=BoundedProtocol,
+        ws="none",
+        timeout_keep_alive=round(KEEP_SECONDS),
         timeout_graceful_shutdown=_GRACE,
-        limit_concurrency=1000,
-        backlog=2048,
+        backlog=_BACKLOG,
     )
-    Server(config).run(sockets=[listening])

@@ -36,7 +36,9 @@ class UploadLimits:
     patience : float
         Time to read it in seconds, plus two seconds a MB.
     at_once : int
-        Uploads received or read at the same time.
+        Uploads read at the same time.
+    receiving_bytes : int
+        Disk space of all uploads that are being received: those that send nothing shut nobody out.
     kept : int
         Uploads kept in memory.
     kept_bytes : int
@@ -47,6 +49,7 @@ class UploadLimits:
     seconds: float = 60.0
     patience: float = 15.0
     at_once: int = 2
+    receiving_bytes: int = 512 << 20
     kept: int = 32
     kept_bytes: int = 256 << 20
 
@@ -71,6 +74,7 @@ class UploadStore:
             self._limits.kept_bytes, weight=lambda upload: max(upload.source.motion.joints.nbytes, share)
         )
         self._running = 0
+        self._received = 0
         self.rejected = 0
 
     def get(self, key: str) -> Upload | None:
@@ -87,11 +91,12 @@ class UploadStore:
         """
         ending = PurePosixPath(name.lower()).suffix
         try:
-            with self._slot(), tempfile.TemporaryDirectory(prefix="motionseek-") as folder:
+            with tempfile.TemporaryDirectory(prefix="motionseek-") as folder:
                 # Of the client's file name only a known ending is used.
                 path = Path(folder) / f"upload{ending if ending in READABLE else ''}"
                 await self._save(request, path)
-                return await run_sync(self._read, path, name)
+                with self._slot():
+                    return await run_sync(self._read, path, name)
         except HTTPException:
             self.rejected += 1
             raise
@@ -113,11 +118,25 @@ class UploadStore:
             raise too_large
         try:
             with path.open("xb") as file, anyio.fail_after(self._limits.seconds):
-                await _write(request, file, self._limits.bytes, too_large)
+                await self._write(request, file, too_large)
         except TimeoutError:
             raise HTTPException(408, f"the file was not received within {self._limits.seconds:g} s") from None
         except ClientDisconnect:
             raise HTTPException(400, "the connection was closed before the file was complete") from None
+
+    async def _write(self, request: Request, file: IO[bytes], too_large: HTTPException) -> None:
+        size = 0
+        try:
+            async for chunk in request.stream():
+                size += len(chunk)
+                self._received += len(chunk)
+                if size > self._limits.bytes:
+                    raise too_large
+                if self._received > self._limits.receiving_bytes:
+                    raise HTTPException(503, BUSY)
+                file.write(chunk)
+        finally:
+            self._received -= size
 
     def _read(self, path: Path, name: str) -> Upload:
         request = pool.Request(None, path)
@@ -129,12 +148,3 @@ class UploadStore:
         upload = Upload(f"u{secrets.token_hex(16)}", source, path.suffix.removeprefix("."), clip.rig)
         self._uploads.put(upload.key, upload)
         return upload
-
-
-async def _write(request: Request, file: IO[bytes], limit: int, too_large: HTTPException) -> None:
-    size = 0
-    async for chunk in request.stream():
-        size += len(chunk)
-        if size > limit:
-            raise too_large
-        file.write(chunk)

@@ -117,13 +117,13 @@ def test_an_upload_of_unknown_size_is_counted(served):
     assert response.status_code == 413
 
 
-async def _received(uploads: UploadStore, chunks: Iterator[tuple[float, bytes]]) -> None:
+async def _received(uploads: UploadStore, chunks: Iterator[tuple[float, bytes]], more: bool = True) -> None:
     """A request whose body comes in chunks, each after a pause in seconds."""
 
     async def receive():
         pause, body = next(chunks)
         await anyio.sleep(pause)
-        return {"type": "http.request", "body": body, "more_body": True}
+        return {"type": "http.request", "body": body, "more_body": more}
 
     await uploads.receive(Request({"type": "http", "method": "POST", "headers": []}, receive), "x.bvh")
 
@@ -153,21 +153,41 @@ def test_a_closed_connection_frees_its_slot():
         assert refused.value.status_code == 400
 
 
-def test_only_some_uploads_at_once():
+def test_only_some_uploads_are_read_at_once(monkeypatch):
     async def two() -> list[int]:
-        uploads, codes = UploadStore(UploadLimits(seconds=0.2, at_once=1)), []
+        uploads, codes = UploadStore(UploadLimits(at_once=1)), []
+        monkeypatch.setattr(uploads, "_read", lambda *_: time.sleep(0.3))
 
         async def one() -> None:
-            with pytest.raises(HTTPException) as refused:
-                await _received(uploads, iter([(0.5, b"x")]))
-            codes.append(refused.value.status_code)
+            try:
+                await _received(uploads, iter([(0.0, b"x")]), more=False)
+                codes.append(200)
+            except HTTPException as refused:
+                codes.append(refused.status_code)
 
         async with anyio.create_task_group() as group:
             group.start_soon(one)
             group.start_soon(one)
         return codes
 
-    assert sorted(anyio.run(two)) == [408, 503]
+    assert sorted(anyio.run(two)) == [200, 503]
+
+
+def test_uploads_that_are_received_take_only_so_much_space():
+    async def all_of(count: int) -> list[int]:
+        uploads, codes = UploadStore(UploadLimits(seconds=0.3, receiving_bytes=10_000)), []
+
+        async def one() -> None:
+            with pytest.raises(HTTPException) as refused:
+                await _received(uploads, iter([(0.0, b"x" * 3000), (9.0, b"")]))
+            codes.append(refused.value.status_code)
+
+        async with anyio.create_task_group() as group:
+            for _ in range(count):
+                group.start_soon(one)
+        return codes
+
+    assert sorted(anyio.run(all_of, 5)) == [408, 408, 408, 503, 503]
 
 
 @pytest.mark.parametrize(
