@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
@@ -14,7 +13,10 @@ from numpy.typing import NDArray
 
 from encoders.arguments import checked_list, checked_path, checked_sentences
 from encoders.bundle.batching import length_buckets, pad
+from encoders.bundle.calibration_file import read_arrays
 from encoders.bundle.manifest import CALIBRATION, MOTION, TEXT, TOKENIZER, Manifest, read_manifest
+from encoders.bundle.sessions import open_session, run
+from encoders.bundle.tokenizer_file import read_tokenizer
 from encoders.bundle.windows import window_starts
 from encoders.errors import ArgumentError, BundleError
 from encoders.features.registry import FEATURE_KINDS
@@ -97,11 +99,8 @@ class Bundle:
         """The arrays that scores are calibrated with, if any; float16 ones as float32."""
         if CALIBRATION not in self.manifest["files"]:
             return None
-        try:
-            with np.load(self.folder / CALIBRATION, allow_pickle=False) as arrays:
-                return {name: a.astype(np.float32) if a.dtype == np.float16 else a for name, a in arrays.items()}
-        except (OSError, ValueError) as error:
-            raise BundleError(f"{self.folder / CALIBRATION}: cannot be read ({error})") from error
+        arrays = read_arrays(self.folder / CALIBRATION)
+        return {name: a.astype(np.float32) if a.dtype == np.float16 else a for name, a in arrays.items()}
 
     def features(self, motion: Motion) -> Array:
         """The features (T', F) this model reads; windows of the motion are slices of them."""
@@ -158,9 +157,7 @@ class Bundle:
         for batch in length_buckets([len(row) for row in ids], _TOKENS_A_BATCH):
             padded, lengths = pad([ids[i] for i in batch])
             mask = (np.arange(padded.shape[1]) < lengths[:, None]).astype(np.int64)
-            latents[batch] = _normalised(
-                self._session(TEXT).run(None, {"input_ids": padded, "attention_mask": mask})[0]
-            )
+            latents[batch] = self._run(TEXT, {"input_ids": padded, "attention_mask": mask})
         return latents
 
     def _check(self, features: Array) -> None:
@@ -169,8 +166,15 @@ class Bundle:
             raise ArgumentError(f"features {features.shape} must be (T', {size}) with T' >= 1")
 
     def _encode(self, features: Array, lengths: NDArray[np.int64]) -> Array:
-        feed = {"features": np.asarray(features, np.float32), "lengths": lengths}
-        return _normalised(self._session(MOTION).run(None, feed)[0])
+        return self._run(MOTION, {"features": np.asarray(features, np.float32), "lengths": lengths})
+
+    def _run(self, name: str, feed: dict[str, NDArray[Any]]) -> Array:
+        """Unit vectors, one for each row of the inputs."""
+        latents = run(self._session(name), self.folder / name, feed)
+        rows = len(next(iter(feed.values())))
+        if latents.shape != (rows, self.latent_size) or latents.dtype.kind != "f":
+            raise BundleError(f"{self.folder / name}: gives no vectors of {self.latent_size} numbers")
+        return _normalised(latents)
 
     def _session(self, name: str) -> InferenceSession:
         with self._lock:
@@ -189,33 +193,7 @@ class Bundle:
 
     @cached_property
     def _tokenizer(self) -> Tokenizer:
-        from tokenizers import Tokenizer
-
-        path = self.folder / TOKENIZER
-        try:
-            tokenizer = Tokenizer.from_str(path.read_text("utf-8"))
-        except Exception as error:  # tokenizers raises plain Exception
-            raise BundleError(f"{path}: cannot be read ({error})") from error
-        tokenizer.no_padding()
-        return tokenizer
-
-
-def open_session(path: Path, threads: int | None = None) -> InferenceSession:
-    """An onnxruntime session on the CPU; weights stored small are turned to floating point here, once."""
-    # No telemetry: this must be set before onnxruntime is loaded.
-    os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
-    import onnxruntime
-
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = threads or 0
-    options.log_severity_level = 3
-    options.add_session_config_entry("session.disable_quant_qdq", "1")  # fold DequantizeLinear into the weights
-    # Threads that spin while they wait take cores from readers and other requests: twice the CPU time, and slower.
-    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
-    try:
-        return onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
-    except Exception as error:  # onnxruntime's errors have no common base but Exception
-        raise BundleError(f"{path}: onnxruntime cannot load it ({error})") from error
+        return read_tokenizer(self.folder / TOKENIZER)
 
 
 def _no_latent(sentence: str) -> list[Array]:

@@ -19,6 +19,9 @@ MANIFEST, MOTION, TEXT, TOKENIZER, CALIBRATION = (
 
 #: Files without which there is no bundle; they, and nothing else in the folder, decide an embedding.
 REQUIRED = (MOTION, TEXT, TOKENIZER)
+
+#: Bounds of what a manifest may state: numbers of a vector and feature frames of a motion, files, bytes of each.
+MAX_LATENT, MAX_FRAMES, MAX_FILES, LARGEST_FILE = 1 << 13, 1 << 16, 64, 2 << 30
 _LARGEST_MANIFEST = 1 << 20
 
 
@@ -108,7 +111,12 @@ def _checked(path: Path, values: Any) -> Manifest:
         )
     if values["max_frames"] < 1 or values["latent_size"] < 1:
         raise BundleError(f"{path}: 'max_frames' and 'latent_size' must be positive")
+    for key, most in (("max_frames", MAX_FRAMES), ("latent_size", MAX_LATENT)):
+        if values[key] > most:
+            raise BundleError(f"{path}: {key!r} is more than {most}")
     files = values["files"]
+    if len(files) > MAX_FILES:
+        raise BundleError(f"{path}: lists {len(files)} files, more than {MAX_FILES}")
     for name in files:
         if name != Path(name).name or name in ("", ".", "..", MANIFEST) or "\\" in name or "\0" in name:
             raise BundleError(f"{path}: {name!r} is no plain file name")
@@ -129,6 +137,8 @@ def _verify(path: Path, expected: Any) -> None:
     if path.is_symlink() or not path.is_file():
         raise BundleError(f"{path}: missing or no plain file; install the bundle again")
     try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise BundleError(f"{path}: larger than {LARGEST_FILE >> 30} GB")
         actual = digest(path)
     except OSError as error:
         raise BundleError(f"{path}: cannot be read ({error})") from error

@@ -1,0 +1,178 @@
+"""What an ONNX graph may hold: the operators of an encoder over its own data, nothing that grows as it is loaded.
+
+A graph is data that somebody else may have crafted. It is looked at here, by the wire format of protobuf, before any
+library parses it. Memory at work is bounded apart from this, by the session's allocator: `encoders.bundle.sessions`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import prod
+
+#: Operators of the encoders that are exported, and those that other exporters write in place of them.
+OPERATORS = frozenset(
+    "Abs Add And BitShift BitwiseAnd BitwiseOr Cast Clip Concat Constant ConstantOfShape Cos CumSum "
+    "DequantizeLinear Div Equal Erf Exp Expand Flatten Gather Gelu Gemm Greater GreaterOrEqual Identity "
+    "LayerNormalization Less LessOrEqual Log MatMul Max Min Mod Mul Neg Not Or Pad Pow Range Reciprocal ReduceL2 "
+    "ReduceMax ReduceMean ReduceSum Relu Reshape Shape Sigmoid Sin Slice Softmax Split Sqrt Squeeze Sub Tanh "
+    "Transpose Trilu Unsqueeze Where".split()
+)
+#: Those whose output may be of any size whatever their inputs are: not of constants alone, which are computed at once.
+_GROWING = frozenset({"ConstantOfShape", "Expand", "Pad", "Range"})
+#: Those whose output is no larger than their first input.
+_KEEPING = frozenset({"Cast", "DequantizeLinear", "Flatten", "Identity", "Reshape", "Slice", "Squeeze", "Transpose"})
+
+#: Nodes of a graph, and numbers of one constant and of all that are computed as it is loaded.
+MAX_NODES, MAX_CONSTANT, MAX_CONSTANTS = 20_000, 1 << 26, 1 << 28
+
+Message = bytes | memoryview
+_VARINT, _FIXED64, _BYTES, _FIXED32 = 0, 1, 2, 5
+
+
+def check_graph(data: Message) -> None:
+    """Check a whole ONNX file.
+
+    Raises
+    ------
+    ValueError
+        Says what it holds that no encoder needs; or that it is no such file.
+    """
+    graphs = []
+    for field, value in _fields(memoryview(data)):
+        if field in (20, 25):
+            raise ValueError("it defines functions or training")
+        if field == 7:
+            graphs.append(_message(value))
+    if len(graphs) != 1:
+        raise ValueError(f"{len(graphs)} graphs, not one")
+    sizes: dict[str, int] = {}
+    nodes = []
+    for field, value in _fields(graphs[0]):
+        if field == 1:
+            nodes.append(_message(value))
+        elif field == 5:
+            name, size = _tensor(_message(value))
+            sizes[name] = size
+        elif field == 15:
+            raise ValueError("it has sparse weights")
+    if len(nodes) > MAX_NODES:
+        raise ValueError(f"{len(nodes)} nodes are more than {MAX_NODES}")
+    computed = 0
+    for node in nodes:
+        computed += _node(node, sizes)
+    if computed > MAX_CONSTANTS:
+        raise ValueError(f"constants of {computed} numbers are computed, more than {MAX_CONSTANTS}")
+
+
+def _node(node: memoryview, sizes: dict[str, int]) -> int:
+    """Check one node and note the sizes of its outputs where all its inputs are constant; how large they are."""
+    inputs, outputs, operator, own = [], [], "", 0
+    for field, value in _fields(node):
+        if field == 1:
+            inputs.append(_text(value))
+        elif field == 2:
+            outputs.append(_text(value))
+        elif field == 4:
+            operator = _text(value)
+        elif field == 5:
+            own += _attribute(_message(value))
+        elif field == 7 and _text(value) not in ("", "ai.onnx"):
+            raise ValueError(f"operator of the domain {_text(value)!r}")
+    if operator not in OPERATORS:
+        raise ValueError(f"operator {operator!r}, which no encoder needs")
+    if operator != "Constant" and not all(name in sizes for name in inputs if name):
+        return 0
+    given = [sizes[name] for name in inputs if name]
+    if operator in _GROWING:
+        raise ValueError(f"{operator} of constants alone")
+    size = own if operator == "Constant" else given[0] if operator in _KEEPING else prod(max(n, 1) for n in given)
+    if operator == "Concat":
+        size = sum(given)
+    if size > MAX_CONSTANT:
+        raise ValueError(f"{operator} of constants, of up to {size} numbers")
+    sizes.update(dict.fromkeys(outputs, size))
+    return size * len(outputs)
+
+
+def _attribute(attribute: memoryview) -> int:
+    """Numbers that an attribute holds."""
+    size = 0
+    for field, value in _fields(attribute):
+        if field in (6, 11):
+            raise ValueError("a graph within a node")
+        if field in (22, 23):
+            raise ValueError("it has sparse weights")
+        if field in (5, 10):
+            size += _tensor(_message(value))[1]
+        elif field in (4, 7, 8, 9):
+            size += len(value) if isinstance(value, memoryview) else 1
+    return size
+
+
+def _tensor(tensor: memoryview) -> tuple[str, int]:
+    """Name of a tensor and its size, no larger than its data."""
+    name, dims = "", []
+    for field, value in _fields(tensor):
+        if field == 1:
+            dims += list(_varints(value)) if isinstance(value, memoryview) else [value]
+        elif field == 8:
+            name = _text(value)
+        elif field == 13 or (field == 14 and value != 0):
+            raise ValueError("weights in another file")
+    size = prod(dims)
+    if size > 2 * len(tensor):  # two numbers a byte are the fewest bytes there are
+        raise ValueError(f"weights {name!r} of {dims} are more than are there")
+    return name, size
+
+
+def _fields(message: memoryview) -> Iterator[tuple[int, int | memoryview]]:
+    """The fields of a message: numbers, and where they are of bytes the bytes."""
+    at = 0
+    while at < len(message):
+        key, at = _varint(message, at)
+        kind = key & 7
+        if kind == _VARINT:
+            value, at = _varint(message, at)
+            yield key >> 3, value
+            continue
+        if kind == _BYTES:
+            size, at = _varint(message, at)
+        elif kind in (_FIXED64, _FIXED32):
+            size = 8 if kind == _FIXED64 else 4
+        else:
+            raise ValueError("no ONNX file")
+        if size > len(message) - at:
+            raise ValueError("no ONNX file, or one that is cut off")
+        yield key >> 3, message[at : at + size]
+        at += size
+
+
+def _varints(data: memoryview) -> Iterator[int]:
+    at = 0
+    while at < len(data):
+        value, at = _varint(data, at)
+        yield value
+
+
+def _varint(data: memoryview, at: int) -> tuple[int, int]:
+    """A number of up to ten bytes, seven bits in each, and the place after it."""
+    value = 0
+    for shift in range(0, 70, 7):
+        if at >= len(data):
+            break
+        byte = data[at]
+        at += 1
+        value |= (byte & 0x7F) << shift
+        if byte < 0x80:
+            return value, at
+    raise ValueError("no ONNX file, or one that is cut off")
+
+
+def _message(value: int | memoryview) -> memoryview:
+    if isinstance(value, int):
+        raise ValueError("no ONNX file")
+    return value
+
+
+def _text(value: int | memoryview) -> str:
+    return bytes(_message(value)).decode("utf-8", "replace")
