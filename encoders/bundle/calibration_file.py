@@ -18,12 +18,12 @@ LARGEST, MOST = 256 << 20, 256
 
 
 def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """The arrays of numbers in an `.npz`; their sizes are checked before anything is allocated.
+    """The arrays of numbers and text in an `.npz`; their sizes are checked before anything is allocated.
 
     Raises
     ------
     BundleError
-        If it is damaged, too large, or holds anything but arrays of finite numbers.
+        If it is damaged, too large, or holds anything but arrays of numbers and text.
     """
     try:
         with zipfile.ZipFile(path) as archive:
@@ -52,5 +52,5 @@ def _check_header(file: IO[bytes], size: int) -> None:
     version = npy.read_magic(file)
     read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
     shape, _, kind = read(file)
-    if kind.kind not in "fiub" or prod(shape) * kind.itemsize > size:
-        raise ValueError("an array of no numbers, or of more than are there")
+    if kind.kind not in "fiubU" or prod(shape) * kind.itemsize > size:
+        raise ValueError("an array of neither numbers nor text, or of more than are there")

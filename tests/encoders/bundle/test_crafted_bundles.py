@@ -172,8 +172,8 @@ def header(shape: str, kind: str = "<f4") -> bytes:
     [
         (header("(10**3, 4)"), "cannot be read"),
         (header("(1000000000000,)"), "more than are there"),
-        (header("(1,)", "|O") + b"cos\nsystem\n(S'true'\ntR.", "no numbers"),
-        (header("(1,)", "<U9"), "no numbers"),
+        (header("(1,)", "|O") + b"cos\nsystem\n(S'true'\ntR.", "neither numbers nor text"),
+        (header("(1,)", "<U9"), "more than are there"),
         (b"nothing", "cannot be read"),
         (bytes(300 << 20), "256 MB"),
     ],
@@ -186,6 +186,13 @@ def test_a_crafted_calibration_is_refused(copy: Path, member: bytes, reason: str
     bundle = crafted(copy, "calibration.npz", file.getvalue())
     with pytest.raises(BundleError, match=rf"calibration\.npz: .*{reason}"):
         _ = bundle.calibration
+
+
+def test_the_shipped_model_passes() -> None:
+    bundle = Bundle.load(threads=1)
+    assert bundle.calibration
+    assert bundle.encode_texts(["a person walks"]).shape == (1, bundle.latent_size)
+    assert bundle.encode_features([np.zeros((9, SIZE), np.float32)]).shape == (1, bundle.latent_size)
 
 
 @pytest.mark.parametrize(
