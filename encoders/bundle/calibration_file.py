@@ -52,5 +52,5 @@ def _check_header(file: IO[bytes], size: int) -> None:
     version = npy.read_magic(file)
     read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
     shape, _, kind = read(file)
-    if kind.kind not in "fiubU" or prod(shape) * kind.itemsize > size:
+    if kind.kind not in "fiubU" or prod(shape) * kind.itemsize > size - file.tell():
         raise ValueError("an array of neither numbers nor text, or of more than are there")
