@@ -24,24 +24,35 @@ _TOLERANCE = 1e-2
 Captions = list[tuple[int, str]]
 
 
-def use_model(writer: Writer, encoder: Encoder, *, current: bool = True) -> int:
+def use_model(writer: Writer, encoder: Encoder) -> int:
     """The id of a model in the library; see `Writer.use_model`.
 
-    One that is new there encodes a motion and a sentence as a trial.
+    One that is new there is tried first; see `try_model`.
 
     Raises
     ------
     BundleError
         If its vectors are not unit vectors of its `latent_size`.
     BundleMismatch
-        If `current` and the library holds the vectors of another model.
+        If the library holds the vectors of another model.
     """
-    writer.check_model(encoder, current=current)
+    writer.check_model(encoder)
+    try_model(writer, encoder)
+    with writer.batch():
+        return writer.use_model(encoder)
+
+
+def try_model(writer: Writer, encoder: Encoder) -> None:
+    """Encode a motion and a sentence with a model that is new to the library.
+
+    Raises
+    ------
+    BundleError
+        If its vectors are not unit vectors of its `latent_size`.
+    """
     if not writer.knows(encoder):
         encode(encoder, [_trial()])
         _encode_texts(encoder, ["a person stands"])
-    with writer.batch():
-        return writer.use_model(encoder, current=current)
 
 
 def encode(bundle: Encoder, motions: Sequence[Motion]) -> list[ClipVectors]:

@@ -165,9 +165,9 @@ def index(
         from encoders.bundle.bundle import Bundle
 
         bundle = Bundle.load()
-    if rebuild and (place / FILE).is_file():
-        reencode(place, bundle, progress=progress)
     summary = Summary()
+    if rebuild and (place / FILE).is_file():
+        summary.failed += reencode(place, bundle, progress=progress)
     with writing(place) as writer:
         model_id = use_model(writer, bundle)
         with writer.batch():

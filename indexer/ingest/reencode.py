@@ -1,17 +1,20 @@
-"""Encode a library with another model, from stored poses: no source file is opened."""
+"""Encode a library again, also with another model, from stored poses: no source file is opened."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from os import PathLike
 
+from encoders.errors import LibraryDamaged
 from encoders.protocol import Encoder
-from indexer.ingest.encode import encode, encode_captions, use_model
+from indexer.ingest.encode import encode, encode_captions, try_model
+from indexer.store import poses
 from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
 
 #: Clips encoded and committed at once.
 CLIPS_A_BATCH = 32
+_WITH_POSES = "FROM clips WHERE id IN (SELECT clip_id FROM poses)"
 
 
 def reencode(
@@ -19,8 +22,8 @@ def reencode(
     bundle: Encoder | None = None,
     *,
     progress: Callable[[int, int, str], None] | None = None,
-) -> int:
-    """Encode every clip and caption of a library again; how many clips.
+) -> list[tuple[str, str]]:
+    """Encode every clip and caption of a library again, also the clips whose files have gone.
 
     The old vectors are searched until the last new one is there, then all change at once. Ended early, a second call
     continues where the first one stopped.
@@ -34,44 +37,58 @@ def reencode(
     progress : callable, optional
         Called with clips done, clips to do and the last one's path.
 
+    Returns
+    -------
+    list of (path, reason)
+        The clips that cannot be encoded, as their poses are damaged. They keep what the same model made of them before.
+
     Raises
     ------
     LibraryError
-        If there is no library, its poses are damaged, or it is being written by another process.
+        If there is no library, or it is being written by another process.
     """
     if bundle is None:
         from encoders.bundle.bundle import Bundle
 
         bundle = Bundle.load()
-    with StoredLibrary.open(library) as poses, writing(poses.folder) as writer:
-        model_id = use_model(writer, bundle, current=False)
-        total = _encode_clips(poses, writer, bundle, model_id, progress)
+    with StoredLibrary.open(library) as known:
+        folder = known.folder
+    with writing(folder) as writer:
+        try_model(writer, bundle)
+        with writer.batch():
+            model_id = writer.begin_rebuild(bundle)
+        failed = _encode_clips(writer, bundle, model_id, progress)
         encode_captions(writer, bundle, model_id)
         with writer.batch():
-            writer.switch_model(model_id)
-        folder = poses.folder
+            writer.finish_rebuild(model_id, bundle)
     with StoredLibrary.open(folder, bundle=bundle) as made:
         made.prepare()
-    return total
+    return failed
 
 
 def _encode_clips(
-    library: StoredLibrary,
-    writer: Writer,
-    bundle: Encoder,
-    model_id: int,
-    progress: Callable[[int, int, str], None] | None,
-) -> int:
-    """Vectors for every clip that has none under the model; how many clips there are."""
-    ids = library.ids()
-    left = library.ids("clips.id NOT IN (SELECT clip_id FROM embeddings WHERE model_id = ?)", [model_id])
+    writer: Writer, bundle: Encoder, model_id: int, progress: Callable[[int, int, str], None] | None
+) -> list[tuple[str, str]]:
+    """Vectors for every clip that has none under the model; the clips that cannot be encoded."""
+    failed: list[tuple[str, str]] = []
+    (total,) = writer.connection.execute(f"SELECT count(*) {_WITH_POSES}").fetchone()
+    left = writer.connection.execute(
+        f"SELECT id, clip_path {_WITH_POSES} AND id NOT IN (SELECT clip_id FROM embeddings WHERE model_id = ?) "
+        "ORDER BY id",
+        (model_id,),
+    ).fetchall()
     for first in range(0, len(left), CLIPS_A_BATCH):
         batch = left[first : first + CLIPS_A_BATCH]
-        encoded = encode(bundle, [library.motion(clip_id) for clip_id in batch])
+        motions = {}
+        for clip_id, path in batch:
+            try:
+                motions[clip_id] = poses.read(writer.connection, clip_id)
+            except LibraryDamaged as error:
+                failed.append((path, str(error)))
+        encoded = encode(bundle, list(motions.values())) if motions else []
         with writer.batch():
-            for clip_id, vectors in zip(batch, encoded, strict=True):
-                writer.put_vectors(int(clip_id), vectors, model_id)
+            for clip_id, vectors in zip(motions, encoded, strict=True):
+                writer.put_vectors(clip_id, vectors, model_id)
         if progress is not None:
-            done = len(ids) - len(left) + first + len(batch)
-            progress(done, len(ids), library.clip(batch[-1]).path)
-    return len(ids)
+            progress(total - len(left) + first + len(batch), total, batch[-1][1])
+    return failed

@@ -68,7 +68,7 @@ def unpack(blob: bytes) -> NDArray[np.float32]:
             raise ValueError("wrong size")
     except (struct.error, zlib.error, ValueError) as error:
         raise LibraryDamaged(
-            f"stored poses are damaged ({error}); delete the library folder and index again"
+            f"stored poses are damaged ({error}); motionseek check --repair reads the file again"
         ) from error
     planes = np.frombuffer(raw, np.uint8).reshape(stored.itemsize, -1)
     change = planes.T.copy().view(stored.newbyteorder("<")).reshape(frames, -1)
@@ -87,7 +87,7 @@ def read(db: sqlite3.Connection, clip_id: int) -> Motion:
     rows = db.execute("SELECT data FROM poses WHERE clip_id = ? ORDER BY chunk", (clip_id,))
     joints = [unpack(data) for (data,) in rows]
     if not joints:
-        raise LibraryDamaged(f"clip #{clip_id} has no stored poses; run 'motionseek check --repair'")
+        raise LibraryDamaged(f"clip #{clip_id} has no stored poses; motionseek check --repair reads its file again")
     return Motion(np.concatenate(joints), FPS)
 
 

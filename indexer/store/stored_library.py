@@ -449,7 +449,9 @@ class StoredLibrary:
         joints = [poses.unpack(data) for (data,) in rows]
         skipped = first // poses.CHUNK * poses.CHUNK
         if sum(map(len, joints)) < last - skipped:
-            raise LibraryDamaged(f"{clip.path}: stored poses are incomplete; delete the library folder and index again")
+            raise LibraryDamaged(
+                f"{clip.path}: stored poses are incomplete; motionseek check --repair reads the file again"
+            )
         return Motion(np.concatenate(joints)[first - skipped : last - skipped], FPS)
 
     @one_snapshot

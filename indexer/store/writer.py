@@ -10,8 +10,9 @@ from contextlib import ExitStack, contextmanager
 from datetime import datetime, timezone
 from hashlib import blake2b
 from pathlib import Path
+from secrets import randbits
 
-from encoders.errors import BundleError, BundleMismatch, LibraryError
+from encoders.errors import BundleError, BundleMismatch, LibraryError, LibraryLocked
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.part_names import with_part
@@ -31,17 +32,36 @@ class Writer:
         self.folder = folder
         self.connection = connection
         self._generation = 0
+        self._token = randbits(62)
+        with schema.transaction(connection):
+            connection.execute("INSERT OR REPLACE INTO settings(key, value) VALUES ('writer', ?)", (self._token,))
 
     @contextmanager
     def batch(self) -> Iterator[None]:
         """All changes inside become visible together, under the next generation."""
         with schema.transaction(self.connection):
+            self._check_sole_writer()
             self._generation = (
                 1 + self.connection.execute("SELECT value FROM settings WHERE key = 'generation'").fetchone()[0]
             )
             self.connection.execute("UPDATE settings SET value = ? WHERE key = 'generation'", (self._generation,))
             self.connection.execute("INSERT INTO generations VALUES (?, random())", (self._generation,))
             yield
+
+    def _check_sole_writer(self) -> None:
+        """See that no other process has become the writer, as it can where the lock's file was deleted or is no lock.
+
+        Raises
+        ------
+        LibraryLocked
+            If one has.
+        """
+        row = self.connection.execute("SELECT value FROM settings WHERE key = 'writer'").fetchone()
+        if row != (self._token,):
+            raise LibraryLocked(
+                f"{self.folder}: another process has begun to write it, as its writer.lock was deleted or the file "
+                "system has no locks; what was committed is kept, run the command again when that is done"
+            )
 
     def check_model(self, bundle: Encoder, *, current: bool = True) -> None:
         """Changes nothing.
@@ -76,17 +96,16 @@ class Writer:
         row = self.connection.execute("SELECT size FROM models WHERE fingerprint = ?", (bundle.fingerprint,)).fetchone()
         return None if row is None else int(row[0])
 
-    def use_model(self, bundle: Encoder, *, current: bool = True) -> int:
-        """The model's id; with `current` it is the one whose vectors are searched. See `check_model` for errors."""
-        self.check_model(bundle, current=current)
+    def use_model(self, bundle: Encoder) -> int:
+        """The id of the model whose vectors are searched. See `check_model` for errors."""
+        self.check_model(bundle)
         db = self.connection
         db.execute(
             "INSERT OR IGNORE INTO models(fingerprint, name, size) VALUES (?, ?, ?)",
             (bundle.fingerprint, bundle.name, bundle.latent_size),
         )
         model_id: int = db.execute("SELECT id FROM models WHERE fingerprint = ?", (bundle.fingerprint,)).fetchone()[0]
-        if current:
-            db.execute("INSERT OR IGNORE INTO settings(key, value) VALUES ('model', ?)", (model_id,))
+        db.execute("INSERT OR IGNORE INTO settings(key, value) VALUES ('model', ?)", (model_id,))
         return model_id
 
     def root(self, path: Path) -> int:
@@ -281,19 +300,36 @@ class Writer:
         )
         return [(*row[:4], ReadOptions.of(row[4])) for row in rows]
 
-    def switch_model(self, model_id: int) -> None:
-        """Search the vectors of that model from now on; those of others, and clips that are gone, are removed."""
+    def begin_rebuild(self, bundle: Encoder) -> int:
+        """The id under which vectors are kept that are to take the place of all others; the same until they do."""
+        self.check_model(bundle, current=False)
+        fingerprint = f"rebuild {bundle.fingerprint}"
+        self.connection.execute(
+            "INSERT OR IGNORE INTO models(fingerprint, name, size) VALUES (?, ?, ?)",
+            (fingerprint, bundle.name, bundle.latent_size),
+        )
+        row = self.connection.execute("SELECT id FROM models WHERE fingerprint = ?", (fingerprint,)).fetchone()
+        return int(row[0])
+
+    def finish_rebuild(self, model_id: int, bundle: Encoder) -> None:
+        """Search the vectors of `begin_rebuild` from now on; all others are removed.
+
+        A clip that has none keeps those that the same model has made before.
+        """
         db = self.connection
-        gone = "SELECT clips.id FROM clips JOIN files ON files.id = clips.file_id WHERE files.state = 'gone'"
-        db.execute(f"UPDATE captions SET clip_id = NULL WHERE clip_id IN ({gone})")
-        for table in ("poses", "embeddings", "windows"):
-            db.execute(f"DELETE FROM {table} WHERE clip_id IN ({gone})")
-        db.execute(f"DELETE FROM clips WHERE id IN ({gone})")
-        db.execute("DELETE FROM files WHERE state = 'gone'")
-        for table in ("embeddings", "windows", "text_embeddings"):
+        same = db.execute("SELECT id FROM models WHERE fingerprint = ?", (bundle.fingerprint,)).fetchone()
+        for table, owner in (("embeddings", "clip_id"), ("windows", "clip_id"), ("text_embeddings", "text_id")):
+            if same is not None:
+                db.execute(
+                    f"UPDATE {table} SET model_id = ? WHERE model_id = ? "
+                    f"AND {owner} NOT IN (SELECT {owner} FROM {table} WHERE model_id = ?)",
+                    (model_id, same[0], model_id),
+                )
             db.execute(f"DELETE FROM {table} WHERE model_id != ?", (model_id,))
         db.execute("DELETE FROM models WHERE id != ?", (model_id,))
+        db.execute("UPDATE models SET fingerprint = ? WHERE id = ?", (bundle.fingerprint, model_id))
         db.execute("INSERT OR REPLACE INTO settings(key, value) VALUES ('model', ?)", (model_id,))
+        db.execute("UPDATE clips SET generation = ?", (self._generation,))
 
     def _file(self, source: FileVersion) -> int:
         """The row of an indexed file, inserted or updated."""

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
 import textwrap
@@ -19,7 +20,7 @@ from indexer.ingest.reencode import reencode
 from indexer.read_motion import ReadMotion
 from indexer.store import read_options
 from indexer.store.lock import write_lock
-from indexer.store.stored_library import FOLDER, Caption, StoredLibrary
+from indexer.store.stored_library import FILE, FOLDER, Caption, StoredLibrary
 from tests.indexer.folders import SmallBundle, moving, write
 
 ROOT = Path(__file__).parents[3]
@@ -527,8 +528,8 @@ def test_reencoding_needs_no_source_file(root, bundle, tmp_path):
         path.rename(path.with_suffix(".away"))
     other = SmallBundle("other", latent_size=24)
     calls = []
-    assert reencode(root, other, progress=lambda *state: calls.append(state)) == 2
-    assert calls[-1][:2] == (2, 2)
+    assert reencode(root, other, progress=lambda *state: calls.append(state)) == []
+    assert calls[-1][:2] == (3, 3)  # that which has gone, too
     with StoredLibrary.open(root, bundle=other) as library:
         clip = library.find("a")
         scores, ids = library.nearest_clips(other.encode_motions([library.motion(clip.id)]), 5)
@@ -560,8 +561,49 @@ def test_reencoding_that_is_cut_off_leaves_the_old_vectors_and_continues(root, b
         assert (ids[0, 0], round(float(scores[0, 0]), 2)) == (3, 1)
     encoded.clear()
     reencode(root, other)
-    assert len(encoded) == 1  # only what was left, its features once
+    assert len(encoded) == 2  # the trial, and what was left, its features once
     assert len(StoredLibrary.open(root, bundle=other)) == 3
+
+
+def test_rebuild_with_the_same_model_makes_all_vectors_again(root, bundle):
+    index(root, bundle=bundle)
+    file = root / FOLDER / FILE
+    with sqlite3.connect(file) as connection:
+        connection.execute("UPDATE embeddings SET vector = zeroblob(32)")
+        connection.execute("UPDATE windows SET vectors = zeroblob(length(vectors))")
+    connection.close()
+    index(root, bundle=bundle, rebuild=True)
+    with StoredLibrary.open(root, bundle=bundle) as library:
+        scores, ids = library.nearest_clips(bundle.encode_motions([library.motion(3)]), 1)
+        assert (ids[0, 0], round(float(scores[0, 0]), 2)) == (3, 1)
+        assert all(window.vectors.any() for id in library.ids() for window in library.windows(id))
+
+
+def test_a_clip_that_has_gone_comes_back_after_a_rebuild(root, bundle, tmp_path):
+    (root / "b.txt").write_text("a person waves\n")
+    index(root, bundle=bundle)
+    (root / "b.npy").rename(tmp_path / "b.npy")
+    index(root, bundle=bundle)
+    other = SmallBundle("other", latent_size=24)
+    index(root, bundle=other, rebuild=True)
+    (tmp_path / "b.npy").rename(root / "b.npy")
+    assert index(root, bundle=other).moved == 1
+    with StoredLibrary.open(root, bundle=other) as library:
+        clip = library.find("b")
+        assert [caption.text for caption in library.captions(clip.id)] == ["a person waves"]
+        assert clip.id in library.nearest_clips(other.encode_motions([library.motion(clip.id)]), 1)[1]
+
+
+def test_rebuild_names_a_clip_that_it_cannot_encode_and_goes_on(root, bundle):
+    index(root, bundle=bundle)
+    with sqlite3.connect(root / FOLDER / FILE) as connection:
+        connection.execute("UPDATE poses SET data = zeroblob(9) WHERE clip_id = 2")
+    connection.close()
+    summary = index(root, bundle=bundle, rebuild=True)
+    assert [(path, "check --repair" in reason) for path, reason in summary.failed] == [("b.npy", True)]
+    with StoredLibrary.open(root, bundle=bundle) as library:
+        assert len(library) == 3
+        assert len(library.windows(2)) == len(library.windows(3))  # what was made of it before
 
 
 def test_files_are_read_again_when_reading_has_changed(root, bundle, read_here, monkeypatch):

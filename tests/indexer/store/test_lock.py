@@ -8,6 +8,8 @@ import pytest
 
 from encoders.errors import LibraryLocked
 from indexer.store.lock import write_lock
+from indexer.store.stored_library import StoredLibrary
+from indexer.store.writer import writing
 from tests.conftest import ROOT
 
 HELD = """
@@ -72,3 +74,25 @@ def test_a_second_thread_waits_and_the_same_one_is_refused(tmp_path):
         order.append("first")
     thread.join()
     assert order == ["first", "second"]
+
+
+WRITTEN = """
+import sys
+from pathlib import Path
+from indexer.store.writer import writing
+folder = Path(sys.argv[1])
+with writing(folder) as writer, writer.batch():
+    writer.root(folder / "b")
+"""
+
+
+def test_a_writer_whose_lock_was_deleted_gives_way_to_the_next_one(tmp_path):
+    with writing(tmp_path) as first:
+        with first.batch():
+            first.root(tmp_path / "a")
+        (tmp_path / "writer.lock").unlink()
+        subprocess.run([sys.executable, "-c", WRITTEN, str(tmp_path)], cwd=ROOT, check=True)
+        with pytest.raises(LibraryLocked, match=r"writer\.lock was deleted"), first.batch():
+            pass
+    with StoredLibrary.open(tmp_path) as library:
+        assert [root.name for root in library.roots] == ["a", "b"]
