@@ -13,6 +13,7 @@ import numpy as np
 
 from encoders.errors import LibraryDamaged, LibraryNotFound
 from indexer.ingest.scan import walk
+from indexer.maintenance.salvage import UNFINISHED
 from indexer.store import digests, poses, schema
 from indexer.store.files import ARRAYS_ROOT
 from indexer.store.stored_library import FILE, StoredLibrary
@@ -44,6 +45,8 @@ class Findings:
         Table -> numbers of the rows whose digest is wrong.
     poses, vectors : set of int
         Ids of the clips whose poses, or whose vectors alone, are not what was written.
+    unfinished : bool
+        Whether a repair was cut off before what it removed had been read again.
     indexes : bool
         Whether the vector files do not hold what the database does.
     unchecked : int
@@ -55,6 +58,7 @@ class Findings:
     rows: dict[str, list[int]] = field(default_factory=dict)
     poses: set[int] = field(default_factory=set)
     vectors: set[int] = field(default_factory=set)
+    unfinished: bool = False
     indexes: bool = False
     unchecked: int = 0
 
@@ -81,6 +85,7 @@ def check(folder: Path, *, sources: bool = False) -> Findings:
         with closing(schema.connect(folder / FILE, writable=False)) as connection:
             _check_structure(connection, found)
             if not found.database:
+                _check_finished(connection, found)
                 _check_rows(connection, found)
                 _check_clips(connection, found)
         if not found.database:
@@ -115,9 +120,19 @@ def _columns(connection: sqlite3.Connection, table: str) -> set[str]:
     return {row[1] for row in connection.execute(f"PRAGMA table_info({table})")}
 
 
+def _check_finished(connection: sqlite3.Connection, found: Findings) -> None:
+    if connection.execute("SELECT 1 FROM settings WHERE key = ?", (UNFINISHED,)).fetchone():
+        found.unfinished = True
+        found.faults.append(Fault(FILE, "its repair was cut off, and clips may be missing"))
+
+
 def _check_rows(connection: sqlite3.Connection, found: Findings) -> None:
     """Compare the content of every row with its digest."""
     for table in digests.COVERED:
+        if "digest" not in _columns(connection, table):  # a library of an earlier version, or one that is half made
+            found.unchecked += connection.execute(f"SELECT count(*) FROM {table}").fetchone()[0]
+            continue
+        found.unchecked += connection.execute(f"SELECT count(*) FROM {table} WHERE digest IS NULL").fetchone()[0]
         rows = digests.damaged_rows(connection, table)
         if not rows:
             continue
@@ -133,8 +148,6 @@ def _check_rows(connection: sqlite3.Connection, found: Findings) -> None:
             found.faults.append(Fault(FILE, f"{_count(rows, 'record')} of files not as written"))
         else:
             found.faults.append(Fault(FILE, f"{_count(rows, 'row')} of {table} not as written"))
-    count = "SELECT count(*) FROM {} WHERE digest IS NULL"
-    found.unchecked = sum(connection.execute(count.format(table)).fetchone()[0] for table in digests.COVERED)
 
 
 def _check_clips(connection: sqlite3.Connection, found: Findings) -> None:

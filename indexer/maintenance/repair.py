@@ -13,7 +13,7 @@ from indexer.ingest import indexing
 from indexer.ingest.encode import encode, encode_captions, use_model
 from indexer.ingest.indexing import Progress
 from indexer.maintenance.check import Fault, Findings, check
-from indexer.maintenance.salvage import salvage
+from indexer.maintenance.salvage import UNFINISHED, salvage
 from indexer.store import poses
 from indexer.store.files import ARRAYS_ROOT
 from indexer.store.stored_library import FOLDER, StoredLibrary
@@ -35,12 +35,11 @@ def repair(folder: Path, bundle: Encoder, *, progress: Progress | None = None) -
     LibraryError
         If there is no library, nothing of it can be read, or it is being written by another process.
     """
-    found, roots = check(folder), []
-    read_again = found.database
+    found = check(folder)
     if found.database:
-        if not salvage(folder):
-            roots = [_only_root(folder)]
+        salvage(folder)
         found = check(folder)
+    read_again = found.unfinished
     if found.faults:
         with writing(folder) as writer:
             if "models" in found.rows:
@@ -54,7 +53,8 @@ def repair(folder: Path, bundle: Encoder, *, progress: Progress | None = None) -
     left = []
     if read_again:
         try:
-            indexing.index(roots, library=folder, bundle=bundle, progress=progress)
+            indexing.index(_lost_roots(folder), library=folder, bundle=bundle, progress=progress)
+            _finish(folder)
         except LibraryError as error:  # a folder that is not there
             left.append(Fault(str(folder), f"cannot be read again ({error})"))
     with StoredLibrary.open(folder, bundle=bundle) as library:
@@ -62,11 +62,20 @@ def repair(folder: Path, bundle: Encoder, *, progress: Progress | None = None) -
     return left + check(folder).faults
 
 
-def _only_root(folder: Path) -> Path:
-    """The indexed folder of a library of which nothing could be read."""
+def _lost_roots(folder: Path) -> list[Path]:
+    """The indexed folder of a library that no longer says which it is; none where it does."""
+    with StoredLibrary.open(folder) as library:
+        if library.roots:
+            return []
     if folder.name != FOLDER:
         raise LibraryError(f"{folder}: nothing of the library can be read; index its folders again with --library")
-    return folder.parent
+    return [folder.parent]
+
+
+def _finish(folder: Path) -> None:
+    """What was lost or removed has been read again."""
+    with writing(folder) as writer:
+        writer.connection.execute("DELETE FROM settings WHERE key = ?", (UNFINISHED,))
 
 
 def _take_model(writer: Writer, found: Findings, bundle: Encoder) -> None:
@@ -102,6 +111,8 @@ def _mark(writer: Writer, found: Findings) -> bool:
             f"OR rowid IN ({rows.get('text_embeddings', '')})"
         )
         db.execute(f"DELETE FROM texts WHERE id IN ({captions[1]})")
+        if again:
+            db.execute("INSERT OR REPLACE INTO settings VALUES (?, 1)", (UNFINISHED,))
     return again > 0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing, suppress
@@ -11,49 +12,57 @@ from typing import Any
 
 from encoders.errors import LibraryError
 from indexer.store import digests, schema
+from indexer.store.lock import write_lock
 from indexer.store.stored_library import FILE
 
 #: What a damaged database is renamed to.
 DAMAGED = f"{FILE}.damaged"
+#: The setting of a library that is being repaired, until what it lacks has been read again.
+UNFINISHED = "repair unfinished"
 #: Rows read at once.
 _ROWS = 200
 #: Tables in the order in which rows may name each other.
 _TABLES = ("settings", "generations", *digests.COVERED)
 
 
-def salvage(folder: Path) -> bool:
+def salvage(folder: Path) -> None:
     """Put a sound database in the place of a damaged one, with all rows that can be read; the old one is kept beside.
 
-    Returns
-    -------
-    bool
-        Whether any row could be read.
+    There is a database at every instant, the damaged one with its log or the new one.
 
     Raises
     ------
+    LibraryLocked
+        If another process is writing the library.
     LibraryError
         If the folder cannot be written.
     """
+    with write_lock(folder):
+        _salvage(folder)
+
+
+def _salvage(folder: Path) -> None:
     fresh, old = folder / f"{FILE}.new", folder / FILE
     try:
         _remove(fresh)
+        with suppress(sqlite3.DatabaseError), closing(sqlite3.connect(old)) as source:
+            source.execute("PRAGMA wal_checkpoint(TRUNCATE)")  # so that the log can be taken away before the file
         with closing(schema.connect(fresh, writable=True)) as target:
             schema.migrate(target)
             with suppress(sqlite3.DatabaseError, LibraryError), closing(schema.connect(old, writable=False)) as source:
                 for table in _TABLES:
                     _copy(source, target, table)
             _make_consistent(target)
-            (count,) = target.execute("SELECT count(*) FROM files").fetchone()
             target.execute("PRAGMA wal_checkpoint(TRUNCATE)")
         for suffix in ("-wal", "-shm"):
             with suppress(FileNotFoundError):
                 os.replace(folder / f"{FILE}{suffix}", folder / f"{DAMAGED}{suffix}")
-        os.replace(old, folder / DAMAGED)
+        shutil.copy2(old, kept := folder / f"{DAMAGED}.new")
+        os.replace(kept, folder / DAMAGED)
         os.replace(fresh, old)
         _remove(fresh)
     except OSError as error:
         raise LibraryError(f"{folder}: cannot be written ({error.strerror})") from error
-    return bool(count)
 
 
 def _remove(file: Path) -> None:
@@ -102,5 +111,6 @@ def _make_consistent(target: sqlite3.Connection) -> None:
         target.execute(
             "INSERT OR REPLACE INTO generations SELECT value, random() FROM settings WHERE key = 'generation'"
         )
+        target.execute("INSERT OR REPLACE INTO settings VALUES (?, 1)", (UNFINISHED,))
         for table in ("clips", "texts"):
             target.execute(f"INSERT INTO {table}_fts({table}_fts) VALUES ('rebuild')")

@@ -3,6 +3,7 @@
 import random
 import shutil
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from indexer.ingest.load import load_motion
 from indexer.maintenance.check import check
 from indexer.maintenance.repair import repair
 from indexer.maintenance.salvage import DAMAGED
+from indexer.store import schema
 from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
 from tests.indexer.folders import SmallBundle, moving, write
 
@@ -146,3 +148,27 @@ def test_a_database_that_cannot_be_read_to_its_end_is_replaced(folder, share):
     assert repair(folder / FOLDER, SmallBundle()) == []
     assert answers(folder) == expected
     assert (folder / FOLDER / DAMAGED).read_bytes() == bytes(data)
+
+
+@pytest.mark.parametrize("damage", ["a caption", "pages"])
+def test_a_repair_that_was_cut_off_is_named_and_finished_by_the_next(folder, monkeypatch, damage):
+    expected = answers(folder)
+    if damage == "pages":
+        (folder / FOLDER / FILE).write_bytes(b"nothing that is left" * 1000)
+    else:
+        change(folder, DAMAGES[damage][0])
+    monkeypatch.setattr(indexing, "index", lambda *_, **__: (_ for _ in ()).throw(KeyboardInterrupt))
+    with pytest.raises(KeyboardInterrupt):
+        repair(folder / FOLDER, SmallBundle())
+    monkeypatch.undo()
+    assert any("cut off" in fault.problem for fault in check(folder / FOLDER).faults)
+    assert repair(folder / FOLDER, SmallBundle()) == []
+    assert answers(folder) == expected
+
+
+@pytest.mark.parametrize("version", range(1, len(schema.MIGRATIONS)))
+def test_a_library_of_an_earlier_version_is_not_damaged(tmp_path, monkeypatch, version):
+    with monkeypatch.context() as earlier, closing(sqlite3.connect(tmp_path / FILE, isolation_level=None)) as database:
+        earlier.setattr(schema, "MIGRATIONS", schema.MIGRATIONS[:version])
+        schema.migrate(database)
+    assert check(tmp_path).faults == []
