@@ -24,9 +24,18 @@ def unit(vectors: NDArray[F], least: float = 1e-9) -> NDArray[F]:
     return scaled
 
 
+def cross(a: NDArray[F], b: NDArray[F]) -> NDArray[F]:
+    """Vector products (..., 3)."""
+    # Four times as quick as np.cross for few vectors, and quicker for many.
+    product = np.empty(np.broadcast_shapes(a.shape, b.shape), np.result_type(a, b))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        np.subtract(a[..., j] * b[..., k], a[..., k] * b[..., j], out=product[..., i])
+    return product
+
+
 def angle_between(a: Array, b: Array) -> Array:
     """Angle (...,) in degrees between vectors (..., 3)."""
-    angle: Array = np.degrees(np.arctan2(length(np.cross(a, b)), (a * b).sum(-1)))
+    angle: Array = np.degrees(np.arctan2(length(cross(a, b)), (a * b).sum(-1)))
     return angle
 
 
@@ -37,7 +46,7 @@ def frames(across: Array, up: Array) -> Array:
     """
     x = unit(across)
     y = unit(up - x * (x * up).sum(-1, keepdims=True))
-    return np.stack([x, y, np.cross(x, y)], axis=-1)
+    return np.stack([x, y, cross(x, y)], axis=-1)
 
 
 def rotation_between(a: Array, b: Array) -> Array:

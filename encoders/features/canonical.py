@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.geometry import length, unit
+from encoders.geometry import cross, length, unit
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX
 
@@ -84,11 +84,6 @@ def _unit(vectors: Array) -> Array:
     return unit(vectors, 1e-6)
 
 
-def _cross(a: Array, b: Array) -> Array:
-    product: Array = np.cross(a, b)
-    return product
-
-
 def _rate(values: Array) -> Array:
     """Change a second along axis 0, by central differences, one-sided at the ends; zero for a single frame."""
     if len(values) == 1:
@@ -123,7 +118,7 @@ def _head(direction: Array, up: Array, forward: Array) -> Array:
     Rigs disagree by up to 30 degrees on where head joints lie, at rest too, but agree on how heads move: the take's
     median direction in the chest's frame counts as looking ahead.
     """
-    chest = np.stack([_cross(up, forward), up, forward], axis=-2)
+    chest = np.stack([cross(up, forward), up, forward], axis=-2)
     local = np.einsum("...ij,...j->...i", chest, direction)
     local += _LOOKING_AHEAD - np.median(local, axis=0)
     return _unit(np.einsum("...ij,...i->...j", chest, local))
@@ -193,7 +188,7 @@ def body_features(joints: ArrayLike) -> Array:
 
     up = _unit(middle_shoulder - middle_hip)
     hips, shoulders = _unit(left_hip - right_hip), _unit(left_shoulder - right_shoulder)
-    pelvis_forward, chest_forward = _unit(_cross(hips, up)), _unit(_cross(shoulders, up))
+    pelvis_forward, chest_forward = _unit(cross(hips, up)), _unit(cross(shoulders, up))
     head = _head(_unit(head - middle_shoulder), up, chest_forward)
 
     root = middle_hip * _scale(limbs)[..., None]

@@ -60,7 +60,7 @@ def quaternion_axes(quaternions: NDArray[np.float64]) -> Axes:
 
 def turned(axes: Axes, matrix: NDArray[np.float64]) -> Axes:
     """Frames turned by one rotation (3, 3) of their own: R <- R @ matrix."""
-    x, y, z = (sum(axis * part for axis, part in zip(axes, column, strict=True) if part) for column in matrix.T)
+    x, y, z = (matrix.T @ np.reshape(axes, (3, -1))).reshape(3, 3, -1)
     return x, y, z
 
 

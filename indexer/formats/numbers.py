@@ -107,7 +107,7 @@ class Words(NamedTuple):
 
     def _exponents(self) -> tuple[Ints, Ints, Words]:
         """Which words have exponents; these; the words without them."""
-        marks = (self.letters | 0x20 == ord("e")).nonzero()[0]
+        marks = self._after_digits(b"eE")
         if not len(marks):
             return marks, marks, self
         owners = np.searchsorted(self.starts, marks, side="right") - 1
@@ -122,6 +122,14 @@ class Words(NamedTuple):
         ends = self.ends.copy()
         ends[owners] = marks
         return owners, exponents[fits], Words(self.letters, self.starts, ends)
+
+    def _after_digits(self, wanted: bytes) -> Ints:
+        """Where letters stand after a digit or a point."""
+        text = self.letters.tobytes()
+        places = [(self.letters == letter).nonzero()[0] for letter in wanted if letter in text]
+        marks: Ints = np.sort(np.concatenate(places)) if places else np.empty(0, np.int64)
+        follows: Ints = marks[self.letters[marks - 1] <= ord("9")]
+        return follows
 
     def _integers(self) -> tuple[Bits, Ints, Bools, Bools]:
         """The digits of numbers, how many are decimals; whether a word is a number, and a negative one."""

@@ -35,7 +35,7 @@ def check_human(take: Take, rig: RigMap, path: str | PathLike[str]) -> None:
         With what is seen.
     """
     rest = Landmarks.of(take.rest[None], rig)
-    size = rest.leg_length()
+    size = rest.leg_length
     if not np.isfinite(size) or size < 1e-9:
         return
     down = unit(rest.middle("ankle") - rest.middle("hip"))[0]

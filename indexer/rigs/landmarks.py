@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from encoders.geometry import Array, interpolate
+from encoders.geometry import Array, interpolate, length
 from indexer.rigs.mapping import SIDES, RigMap
 
 
@@ -72,10 +73,11 @@ class Landmarks:
         bone: Array = self.marks[end] - self.marks[start]
         return bone
 
+    @cached_property
     def leg_length(self) -> float:
         """Upper leg and shank together, mean of both sides, in the file's units."""
         bones = [self.bone(f"{s}_{a}", f"{s}_{b}") for s in SIDES for a, b in (("hip", "knee"), ("knee", "ankle"))]
-        return float(sum(np.median(np.linalg.norm(bone, axis=-1)) for bone in bones) / 2)
+        return float(np.median(length(np.stack(bones)), axis=-1).sum() / 2)
 
     def points(self, names: Iterable[str] | None = None) -> Array:
         """Landmarks as (T, L, 3): all, or those named."""
@@ -84,4 +86,4 @@ class Landmarks:
 
 def _is_one(a: Array, b: Array) -> bool:
     """Are two tracks (T, 3) the same?"""
-    return bool(np.allclose(a, b, rtol=0, atol=1e-6 * max(float(np.abs(a).max()), 1e-9)))
+    return bool(np.abs(a - b).max() <= 1e-6 * max(float(np.abs(a).max()), 1e-9))

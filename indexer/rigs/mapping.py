@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from itertools import pairwise
 from os import PathLike
 
@@ -85,8 +86,13 @@ def map_rig(take: Take, path: str | PathLike[str], joint_map: Mapping[str, str] 
 
 def map_names(take: Take) -> dict[str, int]:
     """Landmarks by joint names alone; may be incomplete."""
-    names = [parse_joint_name(name) for name in take.names]
-    ways = paths(take.parents)
+    return dict(_map_names(take.names, tuple(take.parents.tolist())))
+
+
+@lru_cache(maxsize=16)  # most files of a folder have few skeletons
+def _map_names(joint_names: tuple[str, ...], parents: tuple[int, ...]) -> dict[str, int]:
+    names = [parse_joint_name(name) for name in joint_names]
+    ways = paths(np.array(parents, np.int64))
     joints = _best(ways, names, TRUNK, "")
     for side in SIDES:
         for limb in (LEG, ARM):

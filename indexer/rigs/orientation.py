@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from encoders.geometry import Array, unit
+from encoders.geometry import Array, cross, unit
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import SIDES
 from indexer.rigs.rest_pose import standing_axes
@@ -50,11 +50,11 @@ def is_mirrored(landmarks: Landmarks, rest: Landmarks) -> bool:
 
 def _ahead(landmarks: Landmarks) -> tuple[float, float]:
     """How far, on average, feet point forward (cosine) and knees stand forward of the leg (in leg lengths)."""
-    forward = unit(np.cross(landmarks.across("hip"), landmarks.marks["head"] - landmarks.middle("hip")))
+    forward = unit(cross(landmarks.across("hip"), landmarks.marks["head"] - landmarks.middle("hip")))
     feet, knees = [], []
     for side in SIDES:
         middle = (landmarks.marks[f"{side}_hip"] + landmarks.marks[f"{side}_ankle"]) / 2
-        knees.append(((landmarks.marks[f"{side}_knee"] - middle) * forward).sum(-1).mean() / landmarks.leg_length())
+        knees.append(((landmarks.marks[f"{side}_knee"] - middle) * forward).sum(-1).mean() / landmarks.leg_length)
         if f"{side}_toe" in landmarks.marks:
             feet.append((unit(landmarks.bone(f"{side}_ankle", f"{side}_toe")) * forward).sum(-1).mean())
     return float(np.mean(feet)) if feet else 0.0, float(np.mean(knees))

@@ -101,13 +101,13 @@ def _from_rest(body: Landmarks) -> RestPoseCorrection:
             angle = float(angle_between(*bones)[0])
             bends[f"{side}_{bend}"] = angle if angle < _MAX_BEND else 0.0
     head = rotation_between(body.bone("neck", "head")[0] * _SAGITTAL, HEAD)
-    return RestPoseCorrection(low, high, head, feet, bends, _shoulders(_from_neck(body), body.leg_length()))
+    return RestPoseCorrection(low, high, head, feet, bends, _shoulders(_from_neck(body), body.leg_length))
 
 
 def _from_movement(landmarks: Landmarks) -> RestPoseCorrection:
     """What movement shows without a rest pose: where the shoulders usually are, and how feet lie on the floor."""
     _, high = trunk_frames(landmarks)
-    shoulders = _shoulders(high.swapaxes(-1, -2) @ _from_neck(landmarks), landmarks.leg_length())
+    shoulders = _shoulders(high.swapaxes(-1, -2) @ _from_neck(landmarks), landmarks.leg_length)
     return RestPoseCorrection(feet={side: _planted(landmarks, side) for side in SIDES}, shoulders=shoulders)
 
 

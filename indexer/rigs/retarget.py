@@ -91,12 +91,12 @@ def retarget_with_reading(
     posing = frames_before_movement(take, rig, rate)
     if posing:
         landmarks, rest = landmarks[posing:], landmarks[:1]
-    _check_bones(path, landmarks)
     at = _grid(len(landmarks), rate)
     landmarks = landmarks.sampled(at)
+    _check_bones(path, landmarks)
     up = up_axis(landmarks, rest, take.up, is_certain=take.up_is_certain)
     matrix = orientation(up.axis, landmarks, rest)
-    scale = LEG_LENGTH / landmarks.leg_length()
+    scale = LEG_LENGTH / landmarks.leg_length
     if take.names == JOINTS and not joint_map:
         joints = rebuild(interpolate(take.positions[posing:], at) @ matrix.T, scale)
     else:
@@ -126,7 +126,7 @@ def _check_duration(path: str | PathLike[str], seconds: float) -> None:
 
 def _check_bones(path: str | PathLike[str], landmarks: Landmarks) -> None:
     """Every limb must have a length, and hips and shoulders a width, for directions to mean anything."""
-    size = landmarks.leg_length()
+    size = landmarks.leg_length
     pairs = [(f"{side}_{a}", f"{side}_{b}") for side in SIDES for limb in (LEG, ARM) for a, b in pairwise(limb)]
     pairs += [("left_hip", "right_hip"), ("left_shoulder", "right_shoulder")]
     flat = [pair for pair in pairs if not np.median(np.linalg.norm(landmarks.bone(*pair), axis=-1)) > _POINT * size]
@@ -151,7 +151,7 @@ def frames_before_movement(take: Take, rig: RigMap, rate: float) -> int:
     if take.names == JOINTS and take.up_is_certain:
         return 0
     landmarks, rest = Landmarks.of(take.positions[: round(rate) + 2], rig), Landmarks.of(take.rest[None], rig)
-    size = max(landmarks.leg_length(), 1e-9)
+    size = max(landmarks.leg_length, 1e-9)
     both = [name for name in landmarks.marks if name in rest.marks]  # toes may be known in one alone
     shapes = (landmarks.points(both) - landmarks.middle("hip")[:, None]) / size
     at_rest = (rest.points(both) - rest.middle("hip")[:, None]) / size

@@ -84,7 +84,7 @@ def _expected(axis: str | None, lead: float) -> Array:
 
 def _evidence(landmarks: Landmarks) -> dict[str, Array]:
     """Scores (6,) of the axes by what the movement shows."""
-    leg = landmarks.leg_length()
+    leg = landmarks.leg_length
     step = max(len(landmarks) // _FRAMES, 1)
     some, later = landmarks[: max(len(landmarks) - 1, 1) : step], landmarks[min(1, len(landmarks) - 1) :: step]
     points = some.points() / leg

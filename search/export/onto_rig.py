@@ -59,7 +59,7 @@ def onto_rig(motion: Motion, like: Path) -> RigMotion:
     for joint in _below(take.parents, base)[1:]:
         parent = take.parents[joint]
         positions[:, joint] = positions[:, parent] + turned[:, parent] @ (pose[joint] - pose[parent])
-    scale = marks.leg_length() / LEG_LENGTH
+    scale = marks.leg_length / LEG_LENGTH
     ours = joints[:, [_target(mark) for mark in rig.joints]] @ matrix * scale
     theirs = positions[:, list(rig.joints.values())]
     hips = [list(rig.joints).index(f"{side}_hip") for side in ("left", "right")]

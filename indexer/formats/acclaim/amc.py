@@ -111,7 +111,7 @@ def _take(path: str | PathLike[str], skeleton: Skeleton, frames: AmcFrames, fps:
         values = frames.values.get(bone.name, np.zeros((len(bone.dof), count)))
         if len(values) != len(bone.dof):
             raise UnreadableMotion(path, f"{bone.name} has {len(values)} values a frame, its skeleton {len(bone.dof)}")
-        axes[bone.name] = bone.axes()
+        axes[bone.name] = bone.axes
         pose, tip = _move(poses[bone.parent], axes[bone.parent].T, bone, values, radians)
         number[bone.name] = len(names)
         add(bone.name, number.get(bone.parent, -1), tips[bone.parent] if bone.parent else bone.offset, pose.position)
@@ -145,7 +145,7 @@ def _move(
             shift["xyz".index(dof[1])] += value
         else:
             length = 1 + value / max(float(np.linalg.norm(bone.offset)), 1e-9)
-    own = bone.axes()
+    own = bone.axes
     axes = turned(start.axes, to_start @ own)
     for axis, angle in reversed(angles):
         axes = turn(axes, axis, angle)

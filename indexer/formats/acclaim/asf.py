@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 from os import PathLike
 from pathlib import Path
 
@@ -36,6 +37,7 @@ class Bone:
     dof: list[str] = field(default_factory=list)
     is_last: bool = False
 
+    @cached_property
     def axes(self) -> NDArray[np.float64]:
         """Its axes as columns (3, 3)."""
         axes = Pose.identity(1).axes
@@ -62,23 +64,27 @@ def read_skeleton(path: str | PathLike[str]) -> Skeleton:
         If it is no complete skeleton; names the section.
     """
     path = Path(path)
-    text = read_bytes(path, max_bytes=MAX_BYTES).decode("latin-1")
-    sections = _sections(text)
-    absent = [name for name in ("root", "bonedata", "hierarchy") if name not in sections]
-    if absent:
-        raise UnreadableMotion(path, f"the skeleton has no :{absent[0]} section")
+    data = read_bytes(path, max_bytes=MAX_BYTES)
     try:
-        radians = any(
-            line[:2] == ["angle", "rad"] or line[:2] == ["angle", "radians"] for line in sections.get("units", [])
-        )
-        bones = {ROOT: _root(sections["root"], radians)}
-        for lines in _blocks(sections["bonedata"]):
-            bone = _bone(lines, radians)
-            bones[bone.name] = bone
-        order = _order(sections["hierarchy"], bones)
+        return _parsed(data)
     except (ValueError, IndexError, KeyError) as error:
         raise UnreadableMotion(path, f"the skeleton cannot be read: {error}") from None
-    return Skeleton(bones, order, radians)
+
+
+@lru_cache(maxsize=2)  # one skeleton belongs to all motions of a folder
+def _parsed(data: bytes) -> Skeleton:
+    sections = _sections(data.decode("latin-1"))
+    absent = [name for name in ("root", "bonedata", "hierarchy") if name not in sections]
+    if absent:
+        raise ValueError(f"it has no :{absent[0]} section")
+    radians = any(
+        line[:2] == ["angle", "rad"] or line[:2] == ["angle", "radians"] for line in sections.get("units", [])
+    )
+    bones = {ROOT: _root(sections["root"], radians)}
+    for lines in _blocks(sections["bonedata"]):
+        bone = _bone(lines, radians)
+        bones[bone.name] = bone
+    return Skeleton(bones, _order(sections["hierarchy"], bones), radians)
 
 
 def _sections(text: str) -> dict[str, list[list[str]]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from functools import lru_cache
 from os import PathLike
 
 import numpy as np
@@ -16,6 +17,8 @@ from indexer.formats.numbers import as_number
 MAX_JOINTS = 2048
 MAX_CHANNELS = 12
 MAX_NAME = 256
+
+_MAX_KEPT = 1 << 20  # bytes of a hierarchy that is remembered for the next file
 
 # What stands between words is never a part of them, so that nothing is tried twice over.
 _BEGIN = re.compile(r"\ufeff?\s*hierarchy\b", re.IGNORECASE)
@@ -31,7 +34,10 @@ _CHANNELS = re.compile(r"[\s,:]*(\d*)((?:[\s,]*\b[xyz](?:position|rotation|trans
 
 @dataclass
 class Joint:
-    """A joint: number of its parent, offset from there (3,), channels as ("p" or "r", axis) in the order written."""
+    """A joint: number of its parent, offset from there (3,), channels as ("p" or "r", axis) in the order written.
+
+    Files of one skeleton share it, so that it is not to be changed once it is read.
+    """
 
     name: str
     parent: int
@@ -48,10 +54,20 @@ def read_hierarchy(path: str | PathLike[str], header: bytes) -> list[Joint]:
     UnreadableMotion
         Where it is no hierarchy; names the line.
     """
+    try:
+        parse = _parsed if len(header) <= _MAX_KEPT else _parsed.__wrapped__
+        return list(parse(header))
+    except ValueError as error:
+        raise UnreadableMotion(path, str(error)) from None
+
+
+@lru_cache(maxsize=16)  # few skeletons belong to all motions of a folder
+def _parsed(header: bytes) -> tuple[Joint, ...]:
+    """The joints; raises ValueError with what is wrong."""
     text = _decode(header)
     begin = _BEGIN.match(text)
     if begin is None:
-        raise UnreadableMotion(path, "the file does not begin with HIERARCHY")
+        raise ValueError("the file does not begin with HIERARCHY")
     joints: list[Joint] = []
     stack: list[int] = []
     waiting: int | None = None
@@ -59,13 +75,13 @@ def read_hierarchy(path: str | PathLike[str], header: bytes) -> list[Joint]:
     while at < end:
         token = _TOKEN.match(text, at)
         if token is None:
-            raise UnreadableMotion(path, f"the hierarchy cannot be read at {_place(text, at)}")
+            raise ValueError(f"the hierarchy cannot be read at {_place(text, at)}")
         here, at = token.start(), token.end()
         if token["joint"] or token["site"]:
             if waiting is not None:
-                raise UnreadableMotion(path, f"an opening brace is missing before {_place(text, here)}")
+                raise ValueError(f"an opening brace is missing before {_place(text, here)}")
             if token["site"] and not stack:
-                raise UnreadableMotion(path, "an End Site stands outside any joint")
+                raise ValueError("an End Site stands outside any joint")
             parent = stack[-1] if stack else -1
             written = _NAME.match(text, at)
             assert written is not None
@@ -74,14 +90,14 @@ def read_hierarchy(path: str | PathLike[str], header: bytes) -> list[Joint]:
             waiting = len(joints)
             joints.append(Joint(name or f"joint{waiting}", parent, bool(token["site"])))
             if len(joints) > MAX_JOINTS:
-                raise UnreadableMotion(path, f"more than {MAX_JOINTS} joints: this is no skeleton of a person")
+                raise ValueError(f"more than {MAX_JOINTS} joints: this is no skeleton of a person")
         elif token["brace"] == "{":
             if waiting is None:
-                raise UnreadableMotion(path, f"an opening brace without a joint at {_place(text, here)}")
+                raise ValueError(f"an opening brace without a joint at {_place(text, here)}")
             stack.append(waiting)
             waiting = None
         elif not stack:
-            raise UnreadableMotion(path, f"the hierarchy is out of order at {_place(text, here)}")
+            raise ValueError(f"the hierarchy is out of order at {_place(text, here)}")
         elif token["brace"]:
             stack.pop()
         elif token["offset"]:
@@ -89,21 +105,21 @@ def read_hierarchy(path: str | PathLike[str], header: bytes) -> list[Joint]:
             assert written is not None
             offset = three_numbers(written[0])
             if offset is None:
-                raise UnreadableMotion(path, f"the hierarchy cannot be read at {_place(text, here)}")
+                raise ValueError(f"the hierarchy cannot be read at {_place(text, here)}")
             joints[stack[-1]].offset, at = offset, written.end()
         else:
             written = _CHANNELS.match(text, at)
             assert written is not None
             words = re.findall(r"[xyz][a-z]+", written[2].lower())
             if str(len(words)) != written[1].lstrip("0").rjust(1, "0") or len(words) > MAX_CHANNELS:
-                raise UnreadableMotion(path, f"CHANNELS {written[1]} names {len(words)} channels")
+                raise ValueError(f"CHANNELS {written[1]} names {len(words)} channels")
             joints[stack[-1]].channels = [("r" if w[1] == "r" else "p", "xyz".index(w[0])) for w in words]
             at = written.end()
     if stack or waiting is not None:
-        raise UnreadableMotion(path, f"the hierarchy is not closed: {len(stack)} closing braces are missing")
+        raise ValueError(f"the hierarchy is not closed: {len(stack)} closing braces are missing")
     if not joints:
-        raise UnreadableMotion(path, "the hierarchy holds no joints")
-    return _with_tips(joints)
+        raise ValueError("the hierarchy holds no joints")
+    return tuple(_with_tips(joints))
 
 
 def three_numbers(text: str) -> NDArray[np.float64] | None:

@@ -129,11 +129,12 @@ def _bases(joints: list[Joint], columns: NDArray[np.float64], firsts: NDArray[np
     """
     bases = [joint.offset.copy() for joint in joints]
     moves = [[(k, axis) for k, (kind, axis) in enumerate(joint.channels) if kind == "p"] for joint in joints]
+    whole = columns[:, ~np.isnan(columns[0])]
     from_zero = from_offset = 0.0
     for joint, moved, first in zip(joints, moves, firsts[:-1], strict=True):
         size = float(np.linalg.norm(joint.offset))
         if moved and joint.parent >= 0 and size:
-            middle = np.nanmedian(columns[[first + k for k, _ in moved]], axis=1)
+            middle = np.median(whole[[first + k for k, _ in moved]], axis=1)
             from_zero += min(float(np.linalg.norm(middle)) / size, 1.0)
             from_offset += min(float(np.linalg.norm(middle - joint.offset[[axis for _, axis in moved]])) / size, 1.0)
     for joint, moved, base in zip(joints, moves, bases, strict=True):
