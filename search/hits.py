@@ -64,6 +64,9 @@ class Hit:
         Frames a second of the file; None where they are not known.
     first_frame, last_frame : int or None
         The span's first and last frame in the file, counted from 0.
+    stale : str
+        What became of the file since it was indexed: that it is gone or has changed, so that the span may no longer
+        be its; else empty.
     read : callable or None
         Gives the Motion of the span, as long as its library is open.
     """
@@ -83,13 +86,14 @@ class Hit:
     source_fps: float | None = None
     first_frame: int | None = None
     last_frame: int | None = None
+    stale: str = ""
     read: Callable[[], Motion] | None = field(default=None, repr=False, compare=False)
 
     def document(self) -> dict[str, Any]:
         """The hit as plain data with stable keys and rounded numbers, as the command line and the server write it.
 
         `clip` and `root` are None for a motion that is not indexed; `steps` is there where the question has some;
-        `source_fps` and the frames are None where they are not known.
+        `source_fps` and the frames are None where they are not known; `stale` is None where the file is as it was.
         """
         span = _rounded(self)
         fields = {"rank": self.rank, "path": self.path, "score": span["score"], "strength": self.strength}
@@ -100,7 +104,8 @@ class Hit:
         indexed = self.clip_id >= 0
         fields |= {"clip": self.clip_id if indexed else None, "root": self.root if indexed else None}
         rate = None if self.source_fps is None else round(self.source_fps, 4)
-        return fields | {"source_fps": rate, "first_frame": self.first_frame, "last_frame": self.last_frame}
+        fields |= {"source_fps": rate, "first_frame": self.first_frame, "last_frame": self.last_frame}
+        return fields | {"stale": self.stale or None}
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"read": None}

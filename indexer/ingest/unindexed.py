@@ -58,14 +58,21 @@ def read_unindexed(
     return read
 
 
-def file_state(library: StoredLibrary, clip: int, place: Path) -> str:
-    """What became of the file of a clip since it was indexed: that it is gone or has changed; else empty."""
+def file_state(library: StoredLibrary, clip: int, place: Path, *, by_content: bool = True) -> str:
+    """What became of the file of a clip since it was indexed: that it is gone or has changed; else empty.
+
+    Parameters
+    ----------
+    by_content : bool
+        Read a file whose size or time is another; else it has changed.
+    """
     row = library.connection.execute(
         "SELECT size, mtime_ns, hash FROM files JOIN clips ON clips.file_id = files.id WHERE clips.id = ?", (clip,)
     ).fetchone()
     try:
         file = _scanned(split_name(place)[0])
-        same = row is None or (file.size, file.mtime_ns) == row[:2] or file.hash(place.parent) == row[2]
+        same = row is None or (file.size, file.mtime_ns) == row[:2]
+        same = same or (by_content and file.hash(place.parent) == row[2])
     except UnreadableMotion:  # the archive it lies in
         return "cannot be read any more"
     except OSError:

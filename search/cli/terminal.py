@@ -114,6 +114,8 @@ def hits(found: Hits, query: str, library: StoredLibrary | None = None, *, as_js
         for h, clip in zip(found, clips, strict=True)
     ]
     table(_HIT_COLUMNS, rows, right=("", "score", "start", "end"), below=("clip", "caption"))
+    for clip, stale in {clip: h.stale for h, clip in zip(found, clips, strict=True) if h.stale}.items():
+        note(f"{clip} {stale}")
     if found.nothing_matches:
         note("no good match; these are the nearest")
 

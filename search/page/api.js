@@ -7,7 +7,8 @@ import { Motion } from "./motion.js";
 /**
  * @typedef {{rank: number, path: string, score: number, strength: string, start: number, end: number,
  *   duration: number, caption: string, clip: number | string, root: string | null,
- *   source_fps: number | null, first_frame: number | null, last_frame: number | null}} Hit
+ *   source_fps: number | null, first_frame: number | null, last_frame: number | null,
+ *   stale: string | null}} Hit
  * @typedef {{text: string, start: number | null, end: number | null}} Caption
  * @typedef {{clip: number | string, root: string | null, path: string, name: string, duration: number, fps: number, frames: number,
  *   format: string, rig: string, added: string, start: number, source_fps: number | null, source_frames: number | null, captions?: Caption[]}} MotionInfo

@@ -123,5 +123,8 @@ export class Grid {
   }
 }
 
-/** The frames of the file that a hit covers, as text. @param {import("./api.js").Hit} hit */
-const frames = (hit) => (hit.source_fps ? `frames ${hit.first_frame}–${hit.last_frame} of the file, at ${+hit.source_fps.toFixed(2)} fps` : "");
+/** The frames of the file that a hit covers, and what became of it, as text. @param {import("./api.js").Hit} hit */
+const frames = (hit) => {
+  const covered = hit.source_fps ? `frames ${hit.first_frame}–${hit.last_frame} of the file, at ${+hit.source_fps.toFixed(2)} fps` : "";
+  return [covered, hit.stale ? `the file ${hit.stale}` : ""].filter(Boolean).join("; ");
+};

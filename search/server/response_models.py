@@ -31,6 +31,7 @@ class HitModel(BaseModel):
     source_fps: float | None
     first_frame: int | None
     last_frame: int | None
+    stale: str | None
     steps: list[StepModel] | None = None
 
 
