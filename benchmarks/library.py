@@ -1,6 +1,7 @@
 """Times to index a folder and to update its index, and query times of the vector indexes.
 
     python -m benchmarks.library index FOLDER [--jobs N]      first run against second run
+    python -m benchmarks.library memory REAL [--clips N]      peak memory of a run over a simulated library
     python -m benchmarks.library search [--windows 10000 100000 1000000] [--size 256]
 
 Every figure stands beside the plain way, measured in the same run: a numpy scan of float32 vectors. The vectors are
@@ -10,6 +11,10 @@ random, the worst case for clusters: `benchmarks.serve` tells the recall for tho
 from __future__ import annotations
 
 import argparse
+import os
+import resource
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -17,9 +22,10 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.simulated import simulate
 from indexer.ingest import indexing
 from indexer.store import schema
-from indexer.store.stored_library import FILE, StoredLibrary
+from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
 
 A_CLIP = 50  # windows
 
@@ -35,6 +41,24 @@ def index(folder: Path, jobs: int | None) -> None:
     print(f"library {stats['bytes'] / 1e6:.1f} MB, {stats['windows']} windows")
     print(f"first run   {first.seconds:8.2f} s   {stats['seconds'] / first.seconds:.0f} times real time")
     print(f"second run  {second.seconds:8.2f} s   1/{first.seconds / second.seconds:.0f} of the first")
+
+
+def memory(around: Path, clips: int) -> None:
+    """Index a folder of unchanged files whose vectors have not been prepared, those of clips like real ones."""
+    with tempfile.TemporaryDirectory() as place:
+        simulate(Path(place, FOLDER), around, clips, 0.3)
+        with StoredLibrary.open(place) as library:
+            paths = [Path(place, clip.path) for clip in library.clips()]
+            windows = library.stats()["windows"]
+        for path in paths:
+            path.parent.mkdir(exist_ok=True)
+            path.touch()
+            os.utime(path, ns=(0, 0))
+        began = time.monotonic()
+        ran = subprocess.run([sys.executable, "-m", "motionseek_main", "index", place], check=True, capture_output=True)
+        print(ran.stdout.decode().strip() or ran.stderr.decode().strip())
+        peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3
+        print(f"{clips} clips, {windows} windows: {peak:.0f} MB at most, {time.monotonic() - began:.0f} s")
 
 
 def search(counts: list[int], size: int) -> None:
@@ -130,9 +154,14 @@ def main() -> None:
     searching = commands.add_parser("search")
     searching.add_argument("--windows", type=int, nargs="+", default=[10_000, 100_000, 1_000_000])
     searching.add_argument("--size", type=int, default=256)
+    remembering = commands.add_parser("memory")
+    remembering.add_argument("around", type=Path, help="an indexed folder of real motions")
+    remembering.add_argument("--clips", type=int, default=100_000)
     given = parser.parse_args()
     if given.command == "index":
         index(given.folder, given.jobs)
+    elif given.command == "memory":
+        memory(given.around, given.clips)
     else:
         search(given.windows, given.size)
 

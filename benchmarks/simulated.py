@@ -11,6 +11,7 @@ import numpy as np
 
 from indexer.store import schema
 from indexer.store.files import INDEXED
+from indexer.store.read_options import ReadOptions
 from indexer.store.stored_library import FILE, StoredLibrary
 from indexer.vectors.library_indexes import CLIPS
 from search.query.vocabulary import vocabulary
@@ -59,8 +60,8 @@ def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0
                 path = f"take {i // 1000:03}/{clip.name} {i}.bvh"
                 db.execute(
                     "INSERT INTO files(id, root_id, path, size, mtime_ns, hash, recipe, state, reason) "
-                    "VALUES (?, 1, ?, 0, 0, ?, '', ?, NULL)",
-                    (i, path, str(i), INDEXED),
+                    "VALUES (?, 1, ?, 0, 0, ?, ?, ?, NULL)",
+                    (i, path, str(i), ReadOptions().text(), INDEXED),
                 )
                 values = (i, i, path, clip.format, clip.rig, clip.fps, clip.frames, clip.duration, clip.added, path)
                 db.execute(

@@ -32,17 +32,11 @@ class ClusteredBlock(Block):
         """Find clusters, about as many as the square root of the rows, and sort the rows into them."""
         import faiss
 
-        count, rng = int(np.sqrt(len(rows))), np.random.default_rng(0)
-        sample = np.sort(rng.permutation(len(rows))[: count * _SAMPLE])
-        centres = _centres(rows.vectors[sample].astype(np.float32), count, rng)
-        flat, size = faiss.IndexFlatIP(centres.shape[1]), centres.shape[1]
-        flat.add(centres)
-        fp16, inner = faiss.ScalarQuantizer.QT_fp16, faiss.METRIC_INNER_PRODUCT
-        index = faiss.IndexIVFScalarQuantizer(flat, size, count, fp16, inner, False)
-        index.is_trained = True
+        centres = find_centres(rows.vectors[sampled(len(rows))], len(rows))
+        index = empty_index(centres)
         for first in range(0, len(rows), _CHUNK):
             vectors = rows.vectors[first : first + _CHUNK].astype(np.float32)
-            nearest, places = _nearest(vectors, centres), np.arange(first, first + len(vectors))
+            nearest, places = nearest_centres(vectors, centres), np.arange(first, first + len(vectors))
             index.add_core(len(places), *(faiss.swig_ptr(given) for given in (vectors, places, nearest)))
         return cls(rows.owners, rows.spans, index)
 
@@ -73,22 +67,48 @@ class ClusteredBlock(Block):
         return self._found(*self.index.search(queries, k, params=parameters(nprobe=probes, **chosen)))
 
 
-def _centres(points: NDArray[np.float32], count: int, rng: np.random.Generator) -> NDArray[np.float32]:
-    """Centres (count, D) of clusters of unit vectors (n, D): spherical k-means (Dhillon and Modha, 2001).
+def sampled(count: int) -> NDArray[np.int64]:
+    """The numbers of the rows, of `count`, that clusters are found from, in order."""
+    return np.sort(np.random.default_rng(0).permutation(count)[: int(np.sqrt(count)) * _SAMPLE])
 
-    By NumPy's matrix product this is about five times as fast as by that of FAISS's packages.
+
+def empty_index(centres: NDArray[np.float32]) -> Any:
+    """A FAISS index of clusters without rows."""
+    import faiss
+
+    count, size = centres.shape
+    flat = faiss.IndexFlatIP(size)
+    flat.add(centres)
+    fp16, inner = faiss.ScalarQuantizer.QT_fp16, faiss.METRIC_INNER_PRODUCT
+    index = faiss.IndexIVFScalarQuantizer(flat, size, count, fp16, inner, False)
+    index.is_trained = True
+    return index
+
+
+def find_centres(points: NDArray[np.float16], rows: int) -> NDArray[np.float32]:
+    """Centres (C, D) of clusters, about as many as the square root of the rows, from some of them (n, D).
+
+    Spherical k-means (Dhillon and Modha, 2001). By NumPy's matrix product this is about five times as fast as by that
+    of FAISS's packages.
     """
-    centres = points[rng.choice(len(points), count, replace=False)]
+    count, rng = int(np.sqrt(rows)), np.random.default_rng(0)
+    centres = points[rng.choice(len(points), count, replace=False)].astype(np.float32)
     for _ in range(_ROUNDS):
-        nearest = np.concatenate(
-            [_nearest(points[first : first + _CHUNK], centres) for first in range(0, len(points), _CHUNK)]
-        )
-        filled, starts = np.unique(np.sort(nearest), return_index=True)
-        centres = points[rng.choice(len(points), count)]  # where a cluster is empty, it begins anew
-        centres[filled] = np.add.reduceat(points[np.argsort(nearest, kind="stable")], starts)
+        sums, filled = np.zeros_like(centres), np.zeros(count, np.bool_)
+        for first in range(0, len(points), _CHUNK):
+            piece = points[first : first + _CHUNK].astype(np.float32)
+            nearest = nearest_centres(piece, centres)
+            found, starts = np.unique(np.sort(nearest), return_index=True)
+            sums[found] += np.add.reduceat(piece[np.argsort(nearest, kind="stable")], starts)
+            filled[found] = True
+        again = points[rng.choice(len(points), count)]  # where a cluster is empty, it begins anew
+        centres = np.where(filled[:, None], sums, again.astype(np.float32))
         centres /= np.maximum(np.linalg.norm(centres, axis=1, keepdims=True), 1e-12)
     return centres
 
 
-def _nearest(vectors: NDArray[np.float32], centres: NDArray[np.float32]) -> NDArray[np.int64]:
-    return np.asarray(np.argmax(vectors @ centres.T, axis=1), np.int64)
+def nearest_centres(vectors: NDArray[np.floating], centres: NDArray[np.float32]) -> NDArray[np.int64]:
+    """The number of the nearest centre of each vector."""
+    pieces = [vectors[first : first + _CHUNK] for first in range(0, len(vectors), _CHUNK)]
+    found = [np.argmax(piece.astype(np.float32, copy=False) @ centres.T, axis=1) for piece in pieces]
+    return np.concatenate(found).astype(np.int64)

@@ -89,8 +89,12 @@ class FaissIndex:
         main, *added = (part.without(remove) for part in (self._main, *self._added))
         added += [MaskedBlock(Block.of(add))] if len(add) else []
         changed = FaissIndex(generation, main, _merged(added))
-        lost = len(main.block) - len(main)
-        return changed if lost + sum(map(len, added)) <= compact_at * len(main.block) else changed.compacted()
+        return changed if changed.changes <= compact_at * len(main.block) else changed.compacted()
+
+    @property
+    def changes(self) -> int:
+        """Rows that were added to the main block or removed from it."""
+        return len(self._main.block) - len(self._main) + sum(map(len, self._added))
 
     def for_serving(self) -> FaissIndex:
         """The same index for many searches: large blocks in clusters, and results in the main block cached.

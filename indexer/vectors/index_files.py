@@ -19,6 +19,8 @@ from typing import Literal
 
 import numpy as np
 
+from indexer.vectors import clustered_file
+from indexer.vectors.clustered_file import RowSource
 from indexer.vectors.faiss_index import FaissIndex, block_from_index
 
 #: Generation -> what its vectors are of.
@@ -54,16 +56,39 @@ def save(vectors: FaissIndex, folder: Path, name: str, origin: str, *, mapped: b
     import faiss
 
     vectors = vectors.compacted()
-    folder.mkdir(exist_ok=True)
-    fresh = Path(tempfile.mkdtemp(prefix=f".{name}.", dir=folder))
-    try:
-        block = vectors.main
+    block = vectors.main
+
+    def write(fresh: Path) -> None:
         faiss.write_index(block.index, str(fresh / _INDEX))
         np.save(fresh / _OWNERS, block.owners)
         np.save(fresh / _SPANS, block.spans)
+
+    made = _written(folder, name, vectors.generation, origin, write)
+    return _read(made, vectors.generation, mapped=True) if mapped else vectors
+
+
+def build(
+    source: RowSource, folder: Path, name: str, generation: int, origin: str, *, mapped: bool = True
+) -> FaissIndex:
+    """The index of very many rows, which is written without being in memory; see `save`."""
+
+    def write(fresh: Path) -> None:
+        owners, spans = clustered_file.write(fresh / _INDEX, source)
+        np.save(fresh / _OWNERS, owners)
+        np.save(fresh / _SPANS, spans)
+
+    return _read(_written(folder, name, generation, origin, write), generation, mapped=mapped)
+
+
+def _written(folder: Path, name: str, generation: int, origin: str, write: Callable[[Path], None]) -> Path:
+    """The new folder of an index, whose parts `write` writes: whole or not at all."""
+    folder.mkdir(exist_ok=True)
+    fresh = Path(tempfile.mkdtemp(prefix=f".{name}.", dir=folder))
+    try:
+        write(fresh)
         manifest = {
             "format": _FORMAT,
-            "generation": vectors.generation,
+            "generation": generation,
             "origin": origin,
             "checksums": {part: _checksum(fresh / part) for part in _PARTS},
         }
@@ -71,13 +96,13 @@ def save(vectors: FaissIndex, folder: Path, name: str, origin: str, *, mapped: b
         for path in (*fresh.iterdir(), fresh):
             _sync(path)
         os.chmod(fresh, 0o755)
-        made = fresh.rename(folder / f"{name}.{vectors.generation}.{fresh.name.rsplit('.', 1)[1]}")
+        made = fresh.rename(folder / f"{name}.{generation}.{fresh.name.rsplit('.', 1)[1]}")
         _sync(folder)
     except BaseException:
         shutil.rmtree(fresh, ignore_errors=True)
         raise
     _remove_superseded(folder, name)
-    return _read(made, vectors.generation, mapped=True) if mapped else vectors
+    return made
 
 
 def load(folder: Path, name: str, origin_of: OriginOf, size: int, *, mapped: bool = True) -> FaissIndex | None:

@@ -5,17 +5,19 @@ from __future__ import annotations
 import os
 import sqlite3
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle.windows import ends_of
 from indexer.vectors.blocks import IndexRows
-from indexer.vectors.faiss_index import COMPACT_AT, COMPACT_AT_SERVING, FaissIndex
-from indexer.vectors.index_files import load, save
+from indexer.vectors.clustered_file import RowSource
+from indexer.vectors.faiss_index import CLUSTERED_FROM, COMPACT_AT, COMPACT_AT_SERVING, FaissIndex
+from indexer.vectors.index_files import build, load, save
 
 
 @dataclass(frozen=True)
@@ -31,9 +33,14 @@ _CHANGED = (
     "JOIN clips ON clips.id = clip_id WHERE model_id = ? AND clip_id IN (SELECT clips.id FROM clips "
     "JOIN files ON files.id = clips.file_id WHERE files.state = 'indexed' AND clips.generation > ?) ORDER BY clip_id"
 )
-CLIPS = IndexKind("clips", f"SELECT clip_id, duration, NULL, NULL, vector FROM embeddings {_CHANGED}")
+CLIPS = IndexKind(
+    "clips", f"SELECT clip_id, duration, NULL AS length, NULL AS starts, vector FROM embeddings {_CHANGED}"
+)
 WINDOWS = IndexKind("windows", f"SELECT clip_id, duration, length, starts, vectors FROM windows {_CHANGED}, length")
 
+
+#: Rows of a query that are read at a time: of clips, or of windows of one length.
+_PIECE = 2048
 
 #: Indexes of a kind in memory: the newest, and where both share their main block that of the generation before, which
 #: another thread may be reading.
@@ -78,20 +85,29 @@ class LibraryIndexes:
         """The index of a state, from an older one in memory or on disk; it is held from now on."""
         origin = state.origin_of(state.generation) or ""
         index = held.index if held else load(self._folder, kind.name, state.origin_of, state.size, mapped=not serving)
+        compact_at = COMPACT_AT_SERVING if serving else COMPACT_AT
         if index is None:
-            index = FaissIndex.of(state.generation, _rows(kind, state, -1))
-            index = self._saved(kind, origin, index, serving)
+            index = self._built(kind, state, origin, serving)
         elif index.generation < state.generation:
-            changed = state.connection.execute("SELECT id FROM clips WHERE generation > ?", (index.generation,))
-            remove = np.array([row[0] for row in changed], np.int64)
-            added = _rows(kind, state, index.generation)
-            compact_at = COMPACT_AT_SERVING if serving else COMPACT_AT
-            caught_up = index.update(state.generation, remove=remove, add=added, compact_at=compact_at)
-            index = caught_up if caught_up.shares_block(index) else self._saved(kind, origin, caught_up, serving)
+            most = compact_at * len(index.main)
+            caught_up = None if _count(kind, state, index.generation) > most else _caught_up(kind, state, index)
+            is_due = caught_up is None or caught_up.changes > most
+            index = self._built(kind, state, origin, serving) if caught_up is None or is_due else caught_up
         fresh = _Held(origin, index.for_serving() if serving else index)
         before = [other for other in self._held[kind.name] if other.index.shares_block(fresh.index)]
         self._held[kind.name] = [fresh, *before][:_HELD]
         return fresh
+
+    def _built(self, kind: IndexKind, state: _State, origin: str, serving: bool) -> FaissIndex:
+        """An index of all rows. That of very many is written in pieces, so that memory does not grow with them."""
+        if _count(kind, state, -1) >= CLUSTERED_FROM and os.access(self._folder.parent, os.W_OK):
+            source = RowSource(state.size, lambda: _pieces(kind, state, -1))
+            try:
+                return build(source, self._folder, kind.name, state.generation, origin, mapped=not serving)
+            except (OSError, RuntimeError) as error:
+                self.unsaved = getattr(error, "strerror", None) or "a file cannot be written"
+                return FaissIndex.of(state.generation, _rows(kind, state, -1))
+        return self._saved(kind, origin, FaissIndex.of(state.generation, _rows(kind, state, -1)), serving)
 
     def _saved(self, kind: IndexKind, origin: str, index: FaissIndex, serving: bool) -> FaissIndex:
         """Save the index where the folder can be written; it is derived data, so elsewhere nothing is lost."""
@@ -147,19 +163,36 @@ class _Held:
         return self.index.generation <= state.generation and self.origin == state.origin_of(self.index.generation)
 
 
+def _caught_up(kind: IndexKind, state: _State, index: FaissIndex) -> FaissIndex:
+    """The index with what changed since; nothing of it is in its main block."""
+    changed = state.connection.execute("SELECT id FROM clips WHERE generation > ?", (index.generation,))
+    remove = np.array([row[0] for row in changed], np.int64)
+    return index.update(state.generation, remove=remove, add=_rows(kind, state, index.generation), compact_at=np.inf)
+
+
+def _count(kind: IndexKind, state: _State, generation: int) -> int:
+    """How many rows of live clips changed after `generation`."""
+    query = f"SELECT total(ifnull(length(starts), 4) / 4) FROM ({kind.query})"
+    return int(state.connection.execute(query, (state.model_id, generation)).fetchone()[0])
+
+
 def _rows(kind: IndexKind, state: _State, generation: int) -> IndexRows:
     """The vectors of the live clips that changed after `generation`."""
-    parts = list(_parts(state.connection.execute(kind.query, (state.model_id, generation))))
-    if not parts:
-        return IndexRows.none(state.size)
-    counts = [len(starts) for _, starts, _, _ in parts]
-    owners = np.repeat(np.array([owner for owner, *_ in parts], np.int64), counts)
-    spans = np.stack([np.concatenate([part[column] for part in parts]) for column in (1, 2)], axis=1)
-    packed = np.frombuffer(b"".join(part[3] for part in parts), np.float16).reshape(-1, state.size)
-    return IndexRows(owners, spans, packed)
+    return IndexRows.join([IndexRows.none(state.size), *_pieces(kind, state, generation)])
 
 
-def _parts(rows: sqlite3.Cursor) -> Iterator[tuple[int, NDArray[np.float32], NDArray[np.float32], bytes]]:
+def _pieces(kind: IndexKind, state: _State, generation: int) -> Iterator[IndexRows]:
+    """The same in pieces."""
+    rows = state.connection.execute(kind.query, (state.model_id, generation))
+    while parts := list(_parts(rows.fetchmany(_PIECE))):
+        counts = [len(starts) for _, starts, _, _ in parts]
+        owners = np.repeat(np.array([owner for owner, *_ in parts], np.int64), counts)
+        spans = np.stack([np.concatenate([part[column] for part in parts]) for column in (1, 2)], axis=1)
+        packed = np.frombuffer(b"".join(part[3] for part in parts), np.float16).reshape(-1, state.size)
+        yield IndexRows(owners, spans, packed)
+
+
+def _parts(rows: Iterable[Any]) -> Iterator[tuple[int, NDArray[np.float32], NDArray[np.float32], bytes]]:
     for owner, duration, length, starts, packed in rows:
         if length is None:
             yield owner, np.zeros(1, np.float32), np.full(1, duration, np.float32), packed

@@ -1,11 +1,13 @@
 """Many rows in clusters: nearly always what a plain scan finds, exactly where filters leave little."""
 
+import faiss
 import numpy as np
 import pytest
 
-from indexer.vectors import faiss_index, index_files
+from indexer.vectors import clustered_file, faiss_index, index_files
 from indexer.vectors.blocks import IndexRows
 from indexer.vectors.clustered import ClusteredBlock
+from indexer.vectors.clustered_file import RowSource
 from indexer.vectors.faiss_index import FaissIndex
 
 SIZE, EACH = 32, 10
@@ -88,3 +90,22 @@ def test_a_file_holds_the_clusters(clustered, tmp_path):
     for got, want in zip(again.search(queries(), 20), clustered.search(queries(), 20), strict=True):
         np.testing.assert_array_equal(got, want)
     np.testing.assert_array_equal(again.rows.vectors, clustered.rows.vectors)
+
+
+@pytest.mark.parametrize("piece", [4096, 1000])
+def test_a_file_written_in_pieces_is_that_of_the_index_in_memory(rows, tmp_path, piece):
+    def pieces():
+        for first in range(0, len(rows), piece):
+            yield rows[np.arange(len(rows))[first : first + piece]]
+
+    owners, spans = clustered_file.write(tmp_path / "pieces", RowSource(SIZE, pieces))
+    faiss.write_index(ClusteredBlock.of(rows).index, str(tmp_path / "whole"))
+    assert (tmp_path / "pieces").read_bytes() == (tmp_path / "whole").read_bytes()
+    np.testing.assert_array_equal(owners, rows.owners)
+    np.testing.assert_array_equal(spans, rows.spans)
+
+
+def test_a_version_of_faiss_with_other_files_is_noticed(rows, tmp_path, monkeypatch):
+    monkeypatch.setattr(clustered_file, "_NO_LISTS", b"new")
+    with pytest.raises(RuntimeError, match="other files"):
+        clustered_file.write(tmp_path / "pieces", RowSource(SIZE, lambda: iter([rows])))

@@ -9,6 +9,9 @@ import pytest
 from encoders.motion import Motion
 from indexer.ingest.arrays import NewClip, add, remove
 from indexer.store.stored_library import StoredLibrary
+from indexer.vectors import faiss_index, library_indexes
+from indexer.vectors.clustered import ClusteredBlock
+from indexer.vectors.index_files import build
 from indexer.vectors.library_indexes import CLIPS, WINDOWS
 from tests.indexer.folders import SmallBundle, moving
 
@@ -51,6 +54,38 @@ def test_an_index_caught_up_holds_what_a_new_one_does(tmp_path, kind):
         return sorted(zip(rows.owners.tolist(), map(tuple, rows.spans.tolist()), rows.vectors.tolist(), strict=True))
 
     assert by_row(got) == by_row(want)
+
+
+@pytest.mark.parametrize("writable", [True, False], ids=["in pieces", "in memory"])
+@pytest.mark.parametrize("serving", [False, True])
+def test_an_index_of_very_many_is_built_caught_up_and_built_anew(tmp_path, monkeypatch, writable, serving):
+    for module in (faiss_index, library_indexes):
+        monkeypatch.setattr(module, "CLUSTERED_FROM", 20)
+    monkeypatch.setattr(library_indexes, "_PIECE", 7)
+    built = []
+
+    def counting(*given, **how):
+        if not writable:
+            raise OSError(28, "No space left on device")
+        built.append(1)
+        return build(*given, **how)
+
+    monkeypatch.setattr(library_indexes, "build", counting)
+    add(tmp_path, [clip(seed) for seed in range(25)], SmallBundle())
+    shutil.rmtree(tmp_path / "vectors", ignore_errors=True)
+    with StoredLibrary.open(tmp_path) as library:
+        for changed, anew in (([], 1), ([25], 0), ([*range(30, 60)], 1)):
+            built.clear()
+            if changed:
+                add(tmp_path, [clip(seed) for seed in changed], SmallBundle())
+            built.clear()
+            with library.reading() as connection:
+                index = library.indexes.current(WINDOWS, connection, serving=serving)
+                want = library.indexes.since(WINDOWS, connection, -1)
+            assert isinstance(index.main, ClusteredBlock)
+            assert len(built) <= anew * writable
+            assert sorted(map(bytes, index.rows.vectors)) == sorted(map(bytes, want.vectors))
+            assert sorted(index.rows.owners.tolist()) == sorted(want.owners.tolist())
 
 
 def test_a_file_that_another_reader_replaces_while_it_is_opened_costs_nothing(tmp_path, monkeypatch):
