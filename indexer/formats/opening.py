@@ -12,6 +12,7 @@ from indexer.formats import zip_archive
 from indexer.formats.decoding import decoded
 
 MAX_BYTES = 4 << 30
+TOO_LARGE = f"the file is larger than {MAX_BYTES / (1 << 30):.2g} GB; cut it into takes"
 #: The largest integer of SQLite.
 _LARGEST = 2**63 - 1
 

@@ -19,6 +19,7 @@ from encoders.arguments import shown
 from indexer.formats.opening import open_file
 from indexer.store.captions import CaptionRow
 
+MAX_BYTES = 32 << 20  # of a side file, half a million captions; a larger one is not opened
 MAX_TEXT = 2000
 MAX_LINES = 1000  # of a .txt file: a longer one is no list of captions
 COLUMNS = ("path", "text", "start", "end", "fps")

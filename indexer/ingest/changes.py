@@ -10,7 +10,7 @@ from pathlib import Path
 from unicodedata import normalize
 
 from encoders.errors import UnreadableMotion
-from indexer.formats.opening import state
+from indexer.formats.opening import MAX_BYTES, TOO_LARGE, size, state
 from indexer.ingest.scan import Scan, with_companions
 from indexer.store import read_options
 from indexer.store.files import INDEXED, File, FileVersion, KnownFile
@@ -118,6 +118,7 @@ def compare(
     def has_left(path: str) -> bool:
         return path not in found and not scan.may_hold(path)
 
+    origins = _Origins(writer, root_id, has_left)
     for file in motions:
         rate = rates.get(normalize("NFC", file.path))
         old = known.get(file.path)
@@ -131,6 +132,8 @@ def compare(
             continue
         try:
             seen = file.look(root)
+            if file.size > MAX_BYTES and size(root / file.path) > MAX_BYTES:  # with companions it may be more
+                raise UnreadableMotion(file.path, TOO_LARGE)
             source = FileVersion(root_id, file, file.hash(root), options, seen)
         except UnreadableMotion as error:
             changes.refused.append((FileVersion(root_id, file, "", options), error.reason))
@@ -144,7 +147,7 @@ def compare(
             continue
         origin = None
         if old is None or old.state != INDEXED:
-            origin = _origin(writer, source, has_left, taken, partial(requested.for_file, rate))
+            origin = origins.take(source, partial(requested.for_file, rate))
         if origin is None:
             changes.read.append(source)
         else:
@@ -154,28 +157,38 @@ def compare(
     return changes
 
 
-def _origin(
-    writer: Writer,
-    source: FileVersion,
-    has_left: Callable[[str], bool],
-    taken: set[int],
-    options: Callable[[ReadOptions], ReadOptions],
-) -> int | None:
-    """The file that has moved here: of the same content, to be read as it was, and no longer where it was.
+class _Origins:
+    """Where the files of a root may have moved from; the files of one content are looked up once, however many."""
 
-    Parameters
-    ----------
-    has_left : callable
-        Whether a path of the same root holds nothing any more.
-    options : callable
-        The options for the file, given those it was read with before.
-    """
-    for file_id, root_id, path, kept, before in writer.same_content(source.hash):
-        if file_id in taken or options(before) != before:
-            continue
-        if kept != INDEXED or (has_left(path) if root_id == source.root_id else _has_left(writer, root_id, path)):
-            return file_id
-    return None
+    def __init__(self, writer: Writer, root_id: int, has_left: Callable[[str], bool]) -> None:
+        self._writer, self._root_id, self._has_left = writer, root_id, has_left
+        self._by_content: dict[str, dict[ReadOptions, list[int]]] = {}
+
+    def take(self, source: FileVersion, options: Callable[[ReadOptions], ReadOptions]) -> int | None:
+        """The file that has moved here: of the same content, to be read as it was, and no longer where it was.
+
+        It is given once.
+
+        Parameters
+        ----------
+        options : callable
+            The options for the file, given those it was read with before.
+        """
+        if source.hash not in self._by_content:
+            self._by_content[source.hash] = self._left(source.hash)
+        for before, files in self._by_content[source.hash].items():
+            if files and options(before) == before:
+                return files.pop()
+        return None
+
+    def _left(self, digest: str) -> dict[ReadOptions, list[int]]:
+        """The files of that content that are no longer where they were, by how they were read, the first last."""
+        found: dict[ReadOptions, list[int]] = {}
+        for file_id, root_id, path, kept, before in reversed(self._writer.same_content(digest)):
+            here = root_id == self._root_id
+            if kept != INDEXED or (self._has_left(path) if here else _has_left(self._writer, root_id, path)):
+                found.setdefault(before, []).append(file_id)
+        return found
 
 
 def _has_left(writer: Writer, root_id: int, path: str) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path, PurePosixPath
 from unicodedata import normalize
 
 from encoders.errors import UnreadableMotion
-from indexer.ingest.caption_files import Warn, read_lines, read_table
+from indexer.ingest.caption_files import MAX_BYTES, Warn, read_lines, read_table
 from indexer.ingest.published_folders import read_split
 from indexer.ingest.scan import TABLES
 from indexer.part_names import splits, with_part
@@ -58,6 +58,9 @@ def update(
         old_id, size, mtime_ns, old_hash = known.pop(file.path, (None, -1, -1, ""))
         is_about_the_same = set(targets) <= named.get(old_id, set())
         if (size, mtime_ns) == (file.size, file.mtime_ns) and is_about_the_same:
+            continue
+        if file.size > MAX_BYTES:
+            warn(f"{root / file.path}: larger than {MAX_BYTES >> 20} MB; its captions are left as they were")
             continue
         try:
             digest = file.hash(root)

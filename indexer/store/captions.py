@@ -60,8 +60,8 @@ def attach(db: sqlite3.Connection, clip_id: int, root_id: int, path: str, *, is_
     """
     attached = db.execute(
         "UPDATE captions SET clip_id = ?, path = ? WHERE root_id = ? AND path IN (?, ?) "
-        "AND (clip_id IS NULL OR clip_id IN "
-        "(SELECT clips.id FROM clips JOIN files ON files.id = clips.file_id WHERE files.state = 'gone'))",
+        "AND (clip_id IS NULL OR EXISTS (SELECT 1 FROM clips JOIN files ON files.id = clips.file_id "
+        "WHERE clips.id = captions.clip_id AND files.state = 'gone'))",
         (clip_id, path, root_id, path, normalize("NFC", path)),
     )
     if attached.rowcount and not is_new:

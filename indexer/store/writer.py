@@ -24,6 +24,9 @@ from indexer.store.files import ARRAYS_ROOT, FAILED, GONE, INDEXED, ArrayItem, F
 from indexer.store.lock import write_lock
 from indexer.store.read_options import ReadOptions
 
+#: A file that is not gone: there is an index of those alone, without which each file would cost a look at all others.
+_AT_PATH = f"files.root_id = ? AND files.path = ? AND files.state != '{GONE}' AND files.state = ?"
+
 
 class Writer:
     """Changes to a library; `writing` gives one."""
@@ -235,8 +238,7 @@ class Writer:
         Its row stays, as of a file that has vanished, so that vector indexes learn that it went.
         """
         row = self.connection.execute(
-            "SELECT clips.id, files.id FROM clips JOIN files ON files.id = clips.file_id "
-            "WHERE files.root_id = ? AND files.path = ? AND files.state = ?",
+            f"SELECT clips.id, files.id FROM clips JOIN files ON files.id = clips.file_id WHERE {_AT_PATH}",
             (self._arrays_root(), id, INDEXED),
         ).fetchone()
         if row is None:
@@ -270,7 +272,7 @@ class Writer:
     def move(self, file_id: int, root_id: int, file: File) -> None:
         """A file has moved, or is back; its clips keep all that belongs to them."""
         db = self.connection
-        db.execute("DELETE FROM files WHERE root_id = ? AND path = ? AND state = ?", (root_id, file.path, FAILED))
+        db.execute(f"DELETE FROM files WHERE {_AT_PATH}", (root_id, file.path, FAILED))
         db.execute(
             "UPDATE files SET root_id = ?, path = ?, size = ?, mtime_ns = ?, state = ? WHERE id = ?",
             (root_id, file.path, file.size, file.mtime_ns, INDEXED, file_id),
@@ -334,7 +336,7 @@ class Writer:
     def _file(self, source: FileVersion) -> int:
         """The row of an indexed file, inserted or updated."""
         row = self.connection.execute(
-            "SELECT id FROM files WHERE root_id = ? AND path = ? AND state = ?",
+            f"SELECT id FROM files WHERE {_AT_PATH}",
             (source.root_id, source.file.path, INDEXED),
         ).fetchone()
         if row is None:
@@ -372,9 +374,7 @@ class Writer:
 
     def _insert(self, source: FileVersion, state: str, reason: str | None) -> int:
         db, file = self.connection, source.file
-        db.execute(
-            "DELETE FROM files WHERE root_id = ? AND path = ? AND state = ?", (source.root_id, file.path, FAILED)
-        )
+        db.execute(f"DELETE FROM files WHERE {_AT_PATH}", (source.root_id, file.path, FAILED))
         cursor = db.execute(
             "INSERT INTO files(root_id, path, size, mtime_ns, hash, recipe, state, reason) "
             "VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
@@ -384,7 +384,7 @@ class Writer:
 
     def _retire(self, source: FileVersion) -> None:
         rows = self.connection.execute(
-            "SELECT id FROM files WHERE root_id = ? AND path = ? AND state = ?",
+            f"SELECT id FROM files WHERE {_AT_PATH}",
             (source.root_id, source.file.path, INDEXED),
         ).fetchall()
         self.gone(row[0] for row in rows)
