@@ -251,7 +251,8 @@ def parse_lines(text: bytes) -> Numbers:
             wrong = words.at(int(np.isnan(values[-1]).argmax())).decode("latin-1")
     if not values:
         return Numbers(np.empty(0), np.empty(0, np.int64), "")
-    return Numbers(np.concatenate(values), np.unique(np.concatenate(line_ends)), wrong)
+    ends = np.concatenate(line_ends)
+    return Numbers(np.concatenate(values), ends[np.diff(ends, prepend=-1) > 0], wrong)
 
 
 def blocks(text: bytes) -> Iterator[Words]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from encoders.geometry import Array, angle_between, frames, unit
+from encoders.geometry import Array, angle_between, apply, frames, unit
 from encoders.skeleton import BONE_LENGTHS, INDEX, JOINTS, PARENTS
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import SIDES
@@ -65,8 +65,8 @@ def build(landmarks: Landmarks, scale: float, correction: RestPoseCorrection) ->
     for side in SIDES:
         put(f"{side}_hip", low @ offset(f"{side}_hip"))
         put(f"{side}_collar", high @ offset(f"{side}_collar"))
-        from_neck = (high.swapaxes(-1, -2) @ landmarks.bone("neck", f"{side}_shoulder")[..., None])[..., 0]
-        shoulder = joints[:, INDEX["neck"]] + (high @ correction.shoulder(side, from_neck)[..., None])[..., 0]
+        from_neck = apply(high.swapaxes(-1, -2), landmarks.bone("neck", f"{side}_shoulder"))
+        shoulder = joints[:, INDEX["neck"]] + apply(high, correction.shoulder(side, from_neck))
         put(f"{side}_shoulder", shoulder - joints[:, INDEX[f"{side}_collar"]])
         for limb, bones in ((LEG, _leg), (ARM, _arm)):
             for joint, bone in zip(limb[1:], bones(landmarks, side, correction), strict=True):
@@ -94,8 +94,7 @@ def rebuild(joints: Array, scale: float) -> Array:
 
 def _turned(directions: Array, local: Array, fix: Array) -> Array:
     """Directions (T, 3) turned by a rotation (3, 3) given in local frames (T, 3, 3)."""
-    turned: Array = (local @ fix @ local.swapaxes(-1, -2) @ directions[..., None])[..., 0]
-    return turned
+    return apply(local, apply(local.swapaxes(-1, -2), directions) @ fix.T)
 
 
 def _between(low: Array, high: Array, share: float) -> Array:

@@ -90,9 +90,9 @@ def _evidence(landmarks: Landmarks) -> dict[str, Array]:
     points = some.points() / leg
     speeds = np.linalg.norm(later.points() / leg - points, axis=-1) * FPS
     hips = some.middle("hip")
-    upright = (unit(some.marks["head"] - hips) + unit(hips - some.middle("ankle"))) @ AXES.T / 2
+    upright = _along(unit(some.marks["head"] - hips) + unit(hips - some.middle("ankle"))) / 2
     centre = (hips + some.marks["neck"]) / leg / 4 + points.mean(axis=1) / 2
-    heights = points @ AXES.T  # (T, L, 6)
+    heights = _along(points)  # (T, L, 6)
     lowest = heights.min(axis=1)
     low, middle, high = np.quantile(lowest, (0.05, 0.5, 0.95), axis=0)
     is_pinned = bool(np.linalg.norm(hips, axis=-1).max() < _PINNED * leg)
@@ -109,6 +109,11 @@ def _evidence(landmarks: Landmarks) -> dict[str, Array]:
     }
 
 
+def _along(vectors: Array) -> Array:
+    """How far vectors (..., 3) go along each of `AXES`, (..., 6)."""
+    return np.concatenate([vectors, -vectors], axis=-1)
+
+
 def _bell(value: Array, centre: float, width: float) -> Array:
     """1 at the centre, falling to 0."""
     return np.asarray(np.exp(-(((value - centre) / width) ** 2) / 2))
@@ -116,7 +121,9 @@ def _bell(value: Array, centre: float, width: float) -> Array:
 
 def _overhang(points: Array, centre: Array, support: Array) -> Array:
     """How far (T, 6) the body's centre (T, 3) is beyond what carries it (T, L, 6) of the points (T, L, 3)."""
-    inside = np.where(support[:, :, None], points[..., None], np.nan)  # (T, L, 3, 6)
-    beyond = np.fmax(np.nanmin(inside, axis=1) - centre[..., None], centre[..., None] - np.nanmax(inside, axis=1))
+    where, inside = support[:, :, None], points[..., None]  # (T, L, 3, 6)
+    low = np.where(where, inside, np.inf).min(axis=1)
+    high = np.where(where, inside, -np.inf).max(axis=1)
+    beyond = np.maximum(low - centre[..., None], centre[..., None] - high)
     level = np.abs(AXES.T) < 0.5  # the two directions (3, 6) at right angles to each axis
     return np.asarray(((beyond - _HAND).clip(0) * level).sum(axis=1))

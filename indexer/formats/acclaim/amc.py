@@ -7,8 +7,10 @@ A motion may state its frame rate, as SAMPLES-PER-SECOND, but few do: it is 120 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +24,8 @@ from indexer.take import Take
 
 #: Frames a second that a header may state.
 _RATES = 2.0, 1e4
+
+_BLOCK = 1024  # frames whose poses fit the processor's cache, and bound the memory they need
 
 _NAMED_SKELETON = re.compile(rb"([^\\/\s:][^\\/\r\n:]*\.asf)\s*$", re.IGNORECASE | re.MULTILINE)
 
@@ -86,49 +90,85 @@ def _candidates(path: Path, data: bytes) -> list[Path]:
 
 
 def _take(path: str | PathLike[str], skeleton: Skeleton, frames: AmcFrames, fps: float | None) -> Take:
-    """Forward kinematics of the Acclaim convention: a bone turns about its own axes, then its parent's turns follow.
-
-    The pose of a bone is that of its own axes, which differ from the bone's frame by `bone.axes`.
-    """
-    count = next(iter(frames.values.values())).shape[1]
+    """Rest pose and, by forward kinematics, the pose of each frame."""
     radians = skeleton.radians if frames.is_radians is None else frames.is_radians
+    values = _values(path, skeleton, frames)
     names: list[str] = []
     parents: list[int] = []
     rest: list[NDArray[np.float64]] = []
-    positions: list[NDArray[np.float64]] = []
-    number: dict[str, int] = {}
-    poses: dict[str, Pose] = {"": Pose.identity(count)}
     tips: dict[str, NDArray[np.float64]] = {}
-    axes = {"": np.eye(3)}
-
-    def add(name: str, parent: int, at_rest: NDArray[np.float64], place: NDArray[np.float64]) -> None:
-        names.append(name)
-        parents.append(parent)
-        rest.append(at_rest)
-        positions.append(place)
-
+    owners: list[tuple[Bone, bool]] = []
+    number: dict[str, int] = {}
     for bone in skeleton.order:
-        values = frames.values.get(bone.name, np.zeros((len(bone.dof), count)))
-        if len(values) != len(bone.dof):
-            raise UnreadableMotion(path, f"{bone.name} has {len(values)} values a frame, its skeleton {len(bone.dof)}")
-        axes[bone.name] = bone.axes
-        pose, tip = _move(poses[bone.parent], axes[bone.parent].T, bone, values, radians)
-        number[bone.name] = len(names)
-        add(bone.name, number.get(bone.parent, -1), tips[bone.parent] if bone.parent else bone.offset, pose.position)
-        poses[bone.name] = Pose(pose.axes, tip)
+        start = tips[bone.parent] if bone.parent else bone.offset
         tips[bone.name] = tips[bone.parent] + bone.offset if bone.parent else bone.offset
-        if bone.is_last:
-            add(f"{bone.name}_end", number[bone.name], tips[bone.name], tip)
-    owners = [name if name in poses else names[parent] for name, parent in zip(names, parents, strict=True)]
+        number[bone.name] = len(names)
+        for is_tip in (False, True) if bone.is_last else (False,):
+            owners.append((bone, is_tip))
+            names.append(f"{bone.name}_end" if is_tip else bone.name)
+            parents.append(number[bone.name] if is_tip else number.get(bone.parent, -1))
+            rest.append(tips[bone.name] if is_tip else start)
+    count = next(iter(values.values())).shape[1]
+    positions = np.empty((len(owners), 3, count))
+    for block, moved in _poses(skeleton, values, radians):
+        for i, (bone, is_tip) in enumerate(owners):
+            pose, tip = moved[bone.name]
+            positions[i, :, block] = tip if is_tip else pose.position
 
     def rotations() -> NDArray[np.float64]:
-        own = [np.stack(turned(poses[owner].axes, axes[owner].T), axis=-1).transpose(1, 0, 2) for owner in owners]
-        return np.stack(own, axis=1)
+        turns = np.empty((count, len(owners), 3, 3))
+        for block, moved in _poses(skeleton, values, radians):
+            for i, (bone, _) in enumerate(owners):
+                turns[block, i] = np.stack(turned(moved[bone.name].pose.axes, bone.axes.T), axis=-1).transpose(1, 0, 2)
+        return turns
 
-    places = np.stack(positions).transpose(2, 0, 1)
+    places = positions.transpose(2, 0, 1)
     return Take(
         tuple(names), np.array(parents), np.array(rest), places, fps, warnings=frames.warnings, rotations=rotations
     )
+
+
+def _values(path: str | PathLike[str], skeleton: Skeleton, frames: AmcFrames) -> dict[str, NDArray[np.float64]]:
+    """What moves each bone in every frame, (n, T)."""
+    count = next(iter(frames.values.values())).shape[1]
+    values: dict[str, NDArray[np.float64]] = {}
+    for bone in skeleton.order:
+        values[bone.name] = frames.values.get(bone.name, np.zeros((len(bone.dof), count)))
+        if len(values[bone.name]) != len(bone.dof):
+            found = len(values[bone.name])
+            raise UnreadableMotion(path, f"{bone.name} has {found} values a frame, its skeleton {len(bone.dof)}")
+    return values
+
+
+class _Moved(NamedTuple):
+    """A bone where it begins, and its tip (3, T)."""
+
+    pose: Pose
+    tip: NDArray[np.float64]
+
+
+def _poses(
+    skeleton: Skeleton, values: dict[str, NDArray[np.float64]], radians: bool
+) -> Iterator[tuple[slice, dict[str, _Moved]]]:
+    """The bones in motion, some frames at a time.
+
+    That is the Acclaim convention: a bone turns about its own axes, then its parent's turns follow. The pose of a bone
+    is that of its own axes, which differ from the bone's frame by `bone.axes`.
+    """
+    count = next(iter(values.values())).shape[1]
+    for start in range(0, count, _BLOCK):
+        block = slice(start, min(start + _BLOCK, count))
+        moved: dict[str, _Moved] = {}
+        for bone in skeleton.order:
+            if bone.parent:
+                origin, to_start = (
+                    Pose(moved[bone.parent].pose.axes, moved[bone.parent].tip),
+                    skeleton.bones[bone.parent].axes.T,
+                )
+            else:
+                origin, to_start = Pose.identity(block.stop - start), np.eye(3)
+            moved[bone.name] = _Moved(*_move(origin, to_start, bone, values[bone.name][:, block], radians))
+        yield block, moved
 
 
 def _move(
