@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,3 +52,7 @@ class Take:
     up_is_certain: bool = False
     warnings: tuple[str, ...] = ()
     rotations: Callable[[], NDArray[np.float64]] | None = field(default=None, repr=False, compare=False)
+
+    def with_up(self, axis: str | None) -> Take:
+        """The take with the axis that a person says is up; None where nobody says so."""
+        return self if axis is None else replace(self, up=axis, up_is_certain=True)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from encoders.arguments import checked_count, checked_flag, checked_number, checked_path, checked_span, unit_vector
 from encoders.errors import ArgumentError
 from encoders.motion import FPS, Motion
-from indexer.argument_checks import checked_rate
+from indexer.argument_checks import checked_rate, checked_up
 from indexer.ingest import arrays
 from indexer.ingest.arrays import NewClip
 from indexer.store.clips import Caption, Clip
@@ -54,6 +54,7 @@ class Library(StoredLibrary):
 
     A reference `ref` is a file; a clip of the library by path (after its root's name, where there are several), name or
     "#number"; a `Clip`, a `Hit`, a `Motion`, or an array of joints (T, 22, 3) with its frame rate `fps` (default 20).
+    `fps` and `up`, the axis that is up ("x", "y", "z", "-x", "-y" or "-z"), overrule what a file says.
     Where a method takes `start` and `end`, in seconds, a hit stands for its span; elsewhere for its whole clip.
 
     All errors are below `MotionSeekError`. Every method raises `ArgumentError`, which names the argument, for a value
@@ -145,6 +146,7 @@ class Library(StoredLibrary):
         meanwhile: Sequence[str] = (),
         split_steps: bool = True,
         fps: float | None = None,
+        up: str | None = None,
         **filters: Unpack[FilterArguments],
     ) -> Hits:
         """The moments at which a sentence happens: in one motion, or anywhere in the library.
@@ -162,7 +164,9 @@ class Library(StoredLibrary):
         split_steps : bool
             Whether a sentence that states steps is split into them.
         """
-        return self.answer(Question.of(text, then, meanwhile, split_steps=split_steps), ref, k, fps=fps, **filters)
+        return self.answer(
+            Question.of(text, then, meanwhile, split_steps=split_steps), ref, k, fps=fps, up=up, **filters
+        )
 
     @one_snapshot
     def answer(
@@ -172,13 +176,14 @@ class Library(StoredLibrary):
         k: int = 10,
         *,
         fps: float | None = None,
+        up: str | None = None,
         **filters: Unpack[FilterArguments],
     ) -> Hits:
         """The moments that answer a question, in one motion or anywhere in the library; see `moments`."""
         if ref is None:
             return self._moment_hits(self.encode(question), checked_count(k), self.allowed(**filters))
         refuse_filters(filters)
-        k, source = checked_count(k), self.source(ref, fps=fps)
+        k, source = checked_count(k), self.source(ref, fps=fps, up=up)
         return moments_of(QueriedMotion(self.bundle, source, self.encode(question)), k)
 
     def encode(self, question: Question) -> EncodedQuestion:
@@ -194,6 +199,7 @@ class Library(StoredLibrary):
         end: float | None = None,
         *,
         fps: float | None = None,
+        up: str | None = None,
     ) -> list[tuple[str, float]]:
         """The sentences that fit a motion, or a span of it, best: the library's captions and the shipped vocabulary.
 
@@ -203,11 +209,18 @@ class Library(StoredLibrary):
             Best first, no sentence twice. The score is a cosine less what is taken from sentences near every motion.
         """
         captions, _, vectors = self.caption_vectors()
-        return describe_motion(self.bundle, self._cut(ref, start, end, fps), checked_count(k), captions, vectors)
+        motion = self._cut(ref, start, end, fps, up)
+        return describe_motion(self.bundle, motion, checked_count(k), captions, vectors)
 
     @one_snapshot
     def segment(
-        self, ref: Ref, labels: Sequence[str] | None = None, *, captions: bool = False, fps: float | None = None
+        self,
+        ref: Ref,
+        labels: Sequence[str] | None = None,
+        *,
+        captions: bool = False,
+        fps: float | None = None,
+        up: str | None = None,
     ) -> list[Segment]:
         """Label a motion from beginning to end.
 
@@ -226,7 +239,7 @@ class Library(StoredLibrary):
         if checked_flag("captions", captions) and labels is not None:
             raise ArgumentError("labels and captions=True exclude each other; give one")
         given = sorted(set(self.caption_vectors()[0])) if captions else labels
-        source = self.source(ref, fps=fps)
+        source = self.source(ref, fps=fps, up=up)
         return segment_motion(self.bundle, source.motion, given, start=source.start)
 
     @one_snapshot
@@ -238,6 +251,7 @@ class Library(StoredLibrary):
         end: float | None = None,
         *,
         fps: float | None = None,
+        up: str | None = None,
         to_fps: float | None = None,
         in_place: bool = False,
         rig: str | PathLike[str] | None = None,
@@ -264,7 +278,7 @@ class Library(StoredLibrary):
             raise ArgumentError(f"to_fps={rate:g} must be from {RATES[0]:g} to {RATES[1]:g}")
         span = checked_span(*span_of(ref, start, end))
         flag = checked_flag("in_place", in_place)
-        write_cut(self.source(ref, fps=fps), place, *span, fps=rate, in_place=flag, rig=like)
+        write_cut(self.source(ref, fps=fps, up=up), place, *span, fps=rate, in_place=flag, rig=like)
         return place
 
     @one_snapshot
@@ -294,6 +308,7 @@ class Library(StoredLibrary):
         *,
         size: int = 480,
         fps: float = FPS,
+        up: str | None = None,
         overwrite: bool = False,
     ) -> Path:
         """Draw a motion, or a span of it, to a .png (a strip of poses), .gif or .mp4 (an animation); its path.
@@ -311,7 +326,7 @@ class Library(StoredLibrary):
             If there is no ffmpeg for an .mp4.
         """
         place = writable(out, overwrite)
-        motion = self._cut(ref, start, end, None)
+        motion = self._cut(ref, start, end, None, up)
         write_picture(motion, place, size=checked_count(size, "size"), fps=checked_number("fps", fps))
         return place
 
@@ -325,6 +340,7 @@ class Library(StoredLibrary):
         *,
         moments: bool = False,
         fps: float | None = None,
+        up: str | None = None,
         **filters: Unpack[FilterArguments],
     ) -> Hits:
         """The clips, or with `moments` the spans, most like a motion or a span of it; never from the clip itself.
@@ -336,11 +352,11 @@ class Library(StoredLibrary):
         """
         k, moments, allowed = checked_count(k), checked_flag("moments", moments), self.allowed(**filters)
         if isinstance(ref, list) or is_vector(ref):
-            if (start, end, fps) != (None, None, None):
-                raise ArgumentError("start, end and fps are for motions, and a vector is given")
+            if (start, end, fps, up) != (None, None, None, None):
+                raise ArgumentError("start, end, fps and up are for motions, and a vector is given")
             question = self._vector(ref, kind="motion")
             return self._moment_hits(question, k, allowed) if moments else self._clip_hits(question, k, allowed)
-        source, (start, end) = self.source(ref, fps=fps), checked_span(*span_of(ref, start, end))
+        source, (start, end) = self.source(ref, fps=fps, up=up), checked_span(*span_of(ref, start, end))
         motion, is_cut = source.comparable_cut(start, end), (start, end) != (None, None)
         question = EncodedQuestion(self.bundle.encode_motions([motion]), kind="motion")
         if source.clip_id >= 0:
@@ -352,9 +368,9 @@ class Library(StoredLibrary):
         found = best_clips(self, question.vectors[0], max(k, RERANKED), allowed=allowed, windows=False)
         return self._hits(question, rerank_by_alignment(self.bundle, self, motion, found)[:k])
 
-    def source(self, ref: Ref, *, fps: float | None = None) -> MotionSource:
+    def source(self, ref: Ref, *, fps: float | None = None, up: str | None = None) -> MotionSource:
         """The motion that a reference means, with what the library knows of it."""
-        return source_of(ref, self, fps=checked_rate(fps))
+        return source_of(ref, self, fps=checked_rate(fps), up=checked_up(up))
 
     def allowed(self, **filters: Unpack[FilterArguments]) -> Ids | None:
         """The ids of the clips that pass the filters, sorted; None for all."""
@@ -365,8 +381,8 @@ class Library(StoredLibrary):
         self.connection  # noqa: B018  raises LibraryError
         return self.folder
 
-    def _cut(self, ref: Ref, start: float | None, end: float | None, fps: float | None) -> Motion:
-        return self.source(ref, fps=fps).cut(*checked_span(*span_of(ref, start, end)))
+    def _cut(self, ref: Ref, start: float | None, end: float | None, fps: float | None, up: str | None) -> Motion:
+        return self.source(ref, fps=fps, up=up).cut(*checked_span(*span_of(ref, start, end)))
 
     def _vector(self, vector: Any, kind: str = "sentence") -> EncodedQuestion:
         """A query vector as a question."""

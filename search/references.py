@@ -33,13 +33,17 @@ _NAMES_COMPARED = 5000
 _SUGGESTED = 3
 
 
-def source_of(ref: Ref, library: StoredLibrary | None = None, *, fps: float | None = None) -> MotionSource:
+def source_of(
+    ref: Ref, library: StoredLibrary | None = None, *, fps: float | None = None, up: str | None = None
+) -> MotionSource:
     """The motion that a reference means; of a hit, the whole clip it is from.
 
     Parameters
     ----------
     fps : float, optional
         The true frame rate of a file, a clip's file or an array.
+    up : str, optional
+        The axis that is up in it, one of `UP_AXES`.
 
     Raises
     ------
@@ -48,24 +52,31 @@ def source_of(ref: Ref, library: StoredLibrary | None = None, *, fps: float | No
     UnknownClip
         If there is no such clip.
     ArgumentError
-        If it is nothing that can be meant, or the frame rate makes no sense.
+        If it is nothing that can be meant, the frame rate makes no sense, or an axis is given for a `Motion`.
     """
     if isinstance(ref, (str, PathLike)):
         checked_path("ref", ref)
-        return find_source(ref, library, fps=fps)
+        return find_source(ref, library, fps=fps, up=up)
     if isinstance(ref, Clip):
-        return _source_of_clip(ref.id, ref.path, ref.file, library, fps)
+        return _source_of_clip(ref.id, ref.path, ref.file, library, fps, up)
     if isinstance(ref, Hit):
         if ref.clip_id < 0 and ref.file is None and ref.read is not None:
-            return MotionSource.of_motion(ref.read(), ref.path)
-        return _source_of_clip(ref.clip_id, ref.path, ref.file, library, fps)
+            return MotionSource.of_motion(_upright(ref.read(), up), ref.path)
+        return _source_of_clip(ref.clip_id, ref.path, ref.file, library, fps, up)
     if isinstance(ref, Motion):
-        return MotionSource.of_motion(ref) if fps in (None, ref.fps) else MotionSource.of_array(ref, fps)
+        motion = _upright(ref, up)
+        return MotionSource.of_motion(motion) if fps in (None, ref.fps) else MotionSource.of_array(motion, fps)
     if isinstance(ref, np.ndarray):
-        return MotionSource.of_array(ref, fps)
+        return MotionSource.of_array(ref, fps, up)
     if isinstance(ref, MotionSource):
         return ref
     raise ArgumentError(f"a path, clip, hit, Motion or array of joints (T, 22, 3) is needed, not {type(ref).__name__}")
+
+
+def _upright(motion: Motion, up: str | None) -> Motion:
+    if up not in (None, "y"):
+        raise ArgumentError(f"up={up!r}: a Motion is Y up; give up with a file or an array only")
+    return motion
 
 
 def is_vector(value: Any) -> bool:
@@ -88,16 +99,16 @@ def span_of(ref: Ref, start: float | None, end: float | None) -> tuple[float | N
 
 
 def _source_of_clip(
-    number: int, path: str, file: Path | None, library: StoredLibrary | None, fps: float | None
+    number: int, path: str, file: Path | None, library: StoredLibrary | None, fps: float | None, up: str | None
 ) -> MotionSource:
     """The clip of a library by its number, where it is the one of this path and file; else the file."""
     clip = None if library is None else library.clips_by_id([number]).get(number)
     if library is not None and clip is not None and (clip.path, clip.file) == (path, file):
-        return find_source(f"#{number}", library, fps=fps)
+        return find_source(f"#{number}", library, fps=fps, up=up)
     if file is None:
         raise UnknownClip(f"{path}: is no clip of this library and has no file")
     part = next((part for place, part in splits(path) if place.endswith(file.name)), "")
-    return find_source(with_part(str(file), part), library, fps=fps)
+    return find_source(with_part(str(file), part), library, fps=fps, up=up)
 
 
 def find_clip(library: StoredLibrary, ref: str | PathLike[str]) -> Clip | None:

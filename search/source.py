@@ -121,9 +121,9 @@ class MotionSource:
         return replace(cls.of_motion(read.motion, fspath(path), file), part=part, reading=read.reading)
 
     @classmethod
-    def of_array(cls, array: Motion | NDArray[Any], fps: float | None = None) -> MotionSource:
+    def of_array(cls, array: Motion | NDArray[Any], fps: float | None = None, up: str | None = None) -> MotionSource:
         """Joints (T, 22, 3) at `fps`, 20 if not given; see `indexer.ingest.arrays.to_motion`."""
-        read = to_motion(array, fps)
+        read = to_motion(array, fps, up=up)
         return replace(cls.of_motion(read.motion), reading=read.reading)
 
     @classmethod

@@ -8,7 +8,7 @@ from functools import cache
 from encoders.arguments import checked_count, checked_span
 from encoders.bundle.bundle import Bundle
 from encoders.protocol import Encoder
-from indexer.argument_checks import checked_encoder, checked_rate
+from indexer.argument_checks import checked_encoder, checked_rate, checked_up
 from search.hits import Hits
 from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
@@ -28,6 +28,7 @@ def moments(
     meanwhile: Sequence[str] = (),
     split_steps: bool = True,
     fps: float | None = None,
+    up: str | None = None,
     bundle: Encoder | None = None,
 ) -> Hits:
     """The moments of a motion at which a sentence happens, best first.
@@ -48,6 +49,8 @@ def moments(
         Whether a sentence that states steps is split into them.
     fps : float, optional
         Frames a second of an array, 20 if not given, or the true frame rate of a file.
+    up : str, optional
+        The axis that is up in an array or a file, "x", "y", "z", "-x", "-y" or "-z", whatever it says.
     bundle : Encoder, optional
         The model; the shipped one if not given.
 
@@ -60,7 +63,7 @@ def moments(
     """
     k, question = checked_count(k), Question.of(text, then, meanwhile, split_steps=split_steps)
     encoder = _encoder(bundle)
-    return moments_of(QueriedMotion(encoder, _source(ref, fps), question.encode(encoder)), k)
+    return moments_of(QueriedMotion(encoder, _source(ref, fps, up), question.encode(encoder)), k)
 
 
 def describe(
@@ -70,6 +73,7 @@ def describe(
     end: float | None = None,
     *,
     fps: float | None = None,
+    up: str | None = None,
     bundle: Encoder | None = None,
 ) -> list[tuple[str, float]]:
     """The sentences of the shipped vocabulary that fit a motion, or a span of it in seconds, best; see `moments`.
@@ -84,12 +88,17 @@ def describe(
     QueryError
         If the span is empty or lies outside the motion.
     """
-    motion = _source(ref, fps).cut(*checked_span(*span_of(ref, start, end)))
+    motion = _source(ref, fps, up).cut(*checked_span(*span_of(ref, start, end)))
     return describe_motion(_encoder(bundle), motion, checked_count(k))
 
 
 def segment(
-    ref: Ref, labels: Sequence[str] | None = None, *, fps: float | None = None, bundle: Encoder | None = None
+    ref: Ref,
+    labels: Sequence[str] | None = None,
+    *,
+    fps: float | None = None,
+    up: str | None = None,
+    bundle: Encoder | None = None,
 ) -> list[Segment]:
     """Label a motion from beginning to end, without gaps; see `moments`.
 
@@ -98,7 +107,7 @@ def segment(
     labels : sequence of str, optional
         The labels; the shipped vocabulary if not given. A segment that none of them fits has an empty one.
     """
-    source = _source(ref, fps)
+    source = _source(ref, fps, up)
     return segment_motion(_encoder(bundle), source.motion, labels, start=source.start)
 
 
@@ -112,5 +121,5 @@ def _shipped() -> Bundle:
     return Bundle.load()
 
 
-def _source(ref: Ref, fps: float | None) -> MotionSource:
-    return source_of(ref, fps=checked_rate(fps))
+def _source(ref: Ref, fps: float | None, up: str | None) -> MotionSource:
+    return source_of(ref, fps=checked_rate(fps), up=checked_up(up))

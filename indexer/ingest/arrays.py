@@ -7,7 +7,7 @@ into the same library leaves them as they are.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, TypeAlias
 from unicodedata import category
@@ -110,13 +110,17 @@ def remove(folder: Path, ids: Iterable[str]) -> None:
                 raise UnknownClip(f"{id!r}: no clip of that id was added to {folder}")
 
 
-def to_motion(motion: Motion | ArrayLike, fps: float | None = None, *, name: str = "the array") -> ReadMotion:
+def to_motion(
+    motion: Motion | ArrayLike, fps: float | None = None, *, name: str = "the array", up: str | None = None
+) -> ReadMotion:
     """A motion or an array of joints (T, 22, 3) as a motion at 20 frames a second; see `NewClip`.
 
     Parameters
     ----------
     name : str
         What errors call it.
+    up : str, optional
+        The axis that is up in an array.
 
     Raises
     ------
@@ -137,10 +141,10 @@ def to_motion(motion: Motion | ArrayLike, fps: float | None = None, *, name: str
     except (TypeError, ValueError, RuntimeError) as error:  # RuntimeError: a tensor that cannot become an array
         raise ArgumentError(f"{name}: a Motion or an array of joints (T, 22, 3) is needed; {error}") from None
     try:
-        read, reading = retarget_with_reading(SMPL.take(joints, rate), path=name)
+        read, reading = retarget_with_reading(SMPL.take(joints, rate).with_up(up), path=name)
     except UnreadableMotion as error:
         raise ArgumentError(str(error)) from None
-    return ReadMotion(read, reading=reading)
+    return ReadMotion(read, reading=reading if up is None else replace(reading, up_reason="given"))
 
 
 def _batches(items: Iterable[NewClip]) -> Iterator[_Batch]:

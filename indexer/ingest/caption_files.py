@@ -1,7 +1,7 @@
 """Side files: captions that people wrote, in files beside the motions.
 
 `NAME.txt` beside `NAME.bvh` holds a caption a line; `captions.csv`, `.tsv` or `.jsonl` in any folder has the
-columns path, text, start, end (seconds) and fps, of which only the path and one of text and fps are needed.
+columns path, text, start, end (seconds), fps and up, of which only the path and one of text, fps and up are needed.
 """
 
 from __future__ import annotations
@@ -18,11 +18,12 @@ from typing import Any, TextIO
 from encoders.arguments import shown
 from indexer.formats.opening import open_file
 from indexer.store.captions import CaptionRow
+from indexer.take import UP_AXES
 
 MAX_BYTES = 32 << 20  # of a side file, half a million captions; a larger one is not opened
 MAX_TEXT = 2000
 MAX_LINES = 1000  # of a .txt file: a longer one is no list of captions
-COLUMNS = ("path", "text", "start", "end", "fps")
+COLUMNS = ("path", "text", "start", "end", "fps", "up")
 
 Warn = Callable[[str], None]
 
@@ -72,7 +73,7 @@ def _records(file: Path, warn: Warn) -> Iterator[tuple[int, Mapping[str, Any]]]:
         reader = csv.reader(lines, delimiter="\t" if file.suffix.lower() == ".tsv" else ",")
         try:
             header = [name.strip().lower() for name in next(reader, [])]
-            if "path" not in header or not {"text", "fps"} & set(header):
+            if "path" not in header or not {"text", "fps", "up"} & set(header):
                 warn(f"{file}: the first line must name the columns, path and text among them ({', '.join(COLUMNS)})")
                 return
             for cells in reader:
@@ -100,13 +101,13 @@ def _json_records(file: Path, lines: Iterable[str], warn: Warn) -> Iterator[tupl
 def _row(record: Mapping[str, Any], folder: str) -> CaptionRow:
     text = record.get("text")
     text = None if text is None or not str(text).strip() else _text(str(text))
-    fps = _number(record, "fps")
-    if text is None and fps is None:
+    fps, up = _number(record, "fps"), _axis(record.get("up"))
+    if text is None and fps is None and up is None:
         raise ValueError("it has no text")
     if fps is not None and not 0 < fps < 1e5:
         raise ValueError(f"fps={fps:g} is no frame rate")
     start, end = _number(record, "start"), _number(record, "end")
-    return CaptionRow(_path(record.get("path"), folder), text, *_span(start, end), fps)
+    return CaptionRow(_path(record.get("path"), folder), text, *_span(start, end), fps, up)
 
 
 def _path(value: Any, folder: str) -> str:
@@ -145,6 +146,13 @@ def _number(record: Mapping[str, Any], name: str) -> float | None:
     if isinstance(value, bool) or not math.isfinite(number):
         raise ValueError(f"{name} {shown(value)} is no number")
     return number
+
+
+def _axis(value: Any) -> str | None:
+    axis = "" if value is None else str(value).strip().lower()
+    if axis and axis not in UP_AXES:
+        raise ValueError(f"up={shown(value)} is no axis; it must be one of {', '.join(UP_AXES)}")
+    return axis or None
 
 
 def _span(start: float | None, end: float | None) -> tuple[float | None, float | None]:

@@ -13,6 +13,7 @@ from encoders.errors import UnreadableMotion
 from indexer.formats.opening import MAX_BYTES, TOO_LARGE, size, state
 from indexer.ingest.scan import Scan, with_companions
 from indexer.store import read_options
+from indexer.store.captions import Stated
 from indexer.store.files import INDEXED, File, FileVersion, KnownFile
 from indexer.store.read_options import ReadOptions
 from indexer.store.writer import Writer
@@ -40,15 +41,14 @@ class RequestedOptions:
     retry: bool = False
     up: str | None = None
 
-    def for_file(self, stated_rate: float | None, before: ReadOptions | None) -> ReadOptions:
-        """The options for a file with a frame rate from a captions table, if any, and the options it was read with."""
+    def for_file(self, stated: Stated, before: ReadOptions | None) -> ReadOptions:
+        """The options for a file of which captions tables state some, and that was read with some before."""
         before = before or ReadOptions()
         joint_map = before.joint_map if self.joint_map is None else tuple(sorted(self.joint_map.items()))
-        up = self.up or before.up
-        if stated_rate is not None:
-            return ReadOptions(stated_rate, True, joint_map, read_options.READER_VERSION, up)
-        given_before = None if before.from_table else before.fps
-        return ReadOptions(self.fps or given_before, False, joint_map, read_options.READER_VERSION, up)
+        fps = stated.fps or self.fps or (None if before.from_table else before.fps)
+        up = stated.up or self.up or (None if before.up_from_table else before.up)
+        from_table = stated.fps is not None, stated.up is not None
+        return ReadOptions(fps, from_table[0], joint_map, read_options.READER_VERSION, up, from_table[1])
 
 
 @dataclass
@@ -98,7 +98,7 @@ def compare(
     scan: Scan,
     motions: list[File],
     requested: RequestedOptions,
-    rates: Mapping[str, float],
+    stated: Mapping[str, Stated],
 ) -> Changes:
     """Compare the motions found under a root with what the library knows; changes nothing.
 
@@ -106,9 +106,8 @@ def compare(
     ----------
     requested : RequestedOptions
         How files are to be read.
-    rates : mapping
-        Path in Unicode's composed form -> frame rate stated by a captions table, which takes precedence over the one
-        requested.
+    stated : mapping
+        Path in Unicode's composed form -> what captions tables state, which takes precedence over what is requested.
     """
     changes = Changes()
     known = writer.known(root_id)
@@ -120,9 +119,9 @@ def compare(
 
     origins = _Origins(writer, root_id, has_left)
     for file in motions:
-        rate = rates.get(normalize("NFC", file.path))
+        of_tables = stated.get(normalize("NFC", file.path), Stated())
         old = known.get(file.path)
-        options = requested.for_file(rate, None if old is None else old.options)
+        options = requested.for_file(of_tables, None if old is None else old.options)
         again = old is None or old.options != options or (requested.retry and old.state != INDEXED)
         if old is not None and not again and (old.size, old.mtime_ns) == (file.size, file.mtime_ns):
             changes.count_as_before(old)
@@ -147,7 +146,7 @@ def compare(
             continue
         origin = None
         if old is None or old.state != INDEXED:
-            origin = origins.take(source, partial(requested.for_file, rate))
+            origin = origins.take(source, partial(requested.for_file, of_tables))
         if origin is None:
             changes.read.append(source)
         else:

@@ -28,7 +28,7 @@ from indexer.ingest.reencode import reencode
 from indexer.ingest.scan import walk
 from indexer.ingest.side_files import SideFileChanges
 from indexer.part_names import with_part
-from indexer.store.captions import remove_side_files, stated_rates
+from indexer.store.captions import remove_side_files, stated_options
 from indexer.store.files import INDEXED, FileVersion
 from indexer.store.stored_library import FILE, FOLDER, StoredLibrary, library_folder
 from indexer.store.writer import Writer, writing
@@ -285,8 +285,8 @@ def _update(
             scan.may_hold,
             summary.warnings.append,
         )
-        rates = stated_rates(writer.connection, root_id, without=beside.vanished)
-        changes = compare(writer, root, root_id, scan, found, requested, rates)
+        stated = stated_options(writer.connection, root_id, without=beside.vanished)
+        changes = compare(writer, root, root_id, scan, found, requested, stated)
         record(writer, changes)
         remove_side_files(writer.connection, beside.vanished)
     summary.unchanged += changes.unchanged

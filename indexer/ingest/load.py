@@ -48,7 +48,7 @@ def load_motion(
     """
     file, rate, names = checked_path("path", path), checked_rate(fps), checked_joint_map(joint_map)
     axis, part = checked_up(up), read_part(file, fps=rate)
-    take = part.take if axis is None else replace(part.take, up=axis, up_is_certain=True)
+    take = part.take.with_up(axis)
     return retarget(take, path=part.file, joint_map=names)
 
 
@@ -100,10 +100,8 @@ def _retargeted(path: str, take: Take, joint_map: dict[str, str] | None, up: str
     digest = blake2b("\0".join(take.names).encode("utf-8", "replace"), digest_size=2).hexdigest()
     rig = f"{take.names[0]}-{len(take.names)}-{digest}" if take.names else ""
     unknown = [name for name in (joint_map or {}).values() if name not in take.names]
-    if up is not None:
-        take = replace(take, up=up, up_is_certain=True)
     try:
-        motion, reading = retarget_with_reading(take, path=path, joint_map=None if unknown else joint_map)
+        motion, reading = retarget_with_reading(take.with_up(up), path=path, joint_map=None if unknown else joint_map)
     except UnreadableMotion as error:
         if not unknown:
             raise

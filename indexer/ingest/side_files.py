@@ -83,7 +83,7 @@ def update(
 
 
 def unmatched(db: sqlite3.Connection, root: Path, changes: SideFileChanges) -> list[str]:
-    """A warning for each side file just read that names motions which the library does not have, or several as one."""
+    """A warning for each side file just read that names what is not so: no motion, one of several, a part of a file."""
     warnings = []
     for file_id in changes.read:
         path, count, example = captions.without_clip(db, file_id)
@@ -95,6 +95,11 @@ def unmatched(db: sqlite3.Connection, root: Path, changes: SideFileChanges) -> l
             file, clip = several[0]
             more = f", and {len(several) - 1} more files" if len(several) > 1 else ""
             warnings.append(f"{root / path}: {file!r} has several clips; its captions went to {clip!r}{more}")
+        parts = captions.stated_of_parts(db, file_id)
+        if parts:
+            part, file = parts[0]
+            more = f" (and of {len(parts) - 1} more parts)" if len(parts) > 1 else ""
+            warnings.append(f"{root / path}: fps and up are of a file, not of {part!r}{more}; name {file!r} for them")
     return warnings
 
 

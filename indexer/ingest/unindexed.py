@@ -15,7 +15,7 @@ from indexer.formats.reading import split_name
 from indexer.ingest.load import read_motion
 from indexer.ingest.scan import with_companions
 from indexer.read_motion import ReadMotion
-from indexer.store.captions import stated_rate
+from indexer.store.captions import Stated, stated_option
 from indexer.store.files import File
 from indexer.store.read_options import ReadOptions
 from indexer.store.stored_library import StoredLibrary
@@ -54,7 +54,7 @@ def read_unindexed(
     if known is None and fps is None and row is not None and not row.states_fps:
         rate = _rate_of_rig(library, read.rig, row.ending.lstrip("."))
         if rate is not None:
-            read = read_motion(str(path), rate, up=up)
+            read = read_motion(str(path), rate, up=up or options.up)
     return read
 
 
@@ -83,15 +83,18 @@ def file_state(library: StoredLibrary, clip: int, place: Path, *, by_content: bo
 def known_options(library: StoredLibrary, path: Path) -> ReadOptions | None:
     """How the library reads a file, by its path or its content; None where it knows neither.
 
-    As in indexing, the rate that a captions table states takes precedence. Files of the same content that were read
+    As in indexing, what a captions table states takes precedence. Files of the same content that were read
     with different options decide nothing.
     """
-    options, rate = None, None
+    options, stated = None, Stated()
     for key, inside in library.places(path):
         options = options or _common(library, "root_id = ? AND path = ? AND state != 'gone'", (key, inside))
-        rate = rate or stated_rate(library.connection, key, inside)
+        stated = stated_option(library.connection, key, inside).and_then(stated)
     options = options or _of_content(library, path)
-    return options if rate is None else replace(options or ReadOptions(), fps=rate)
+    if stated == Stated():
+        return options
+    known = options or ReadOptions()
+    return replace(known, fps=stated.fps or known.fps, up=stated.up or known.up)
 
 
 def _of_content(library: StoredLibrary, place: Path) -> ReadOptions | None:
@@ -117,7 +120,7 @@ def _scanned(place: Path) -> File:
 def _common(library: StoredLibrary, condition: str, values: Sequence[Any]) -> ReadOptions | None:
     """The options of the files that meet an SQL condition; None where there are none, or they differ."""
     rows = library.connection.execute(f"SELECT DISTINCT recipe FROM files WHERE {condition}", values).fetchall()
-    options = {replace(ReadOptions.of(text), from_table=False, version=0) for (text,) in rows}
+    options = {replace(ReadOptions.of(text), from_table=False, up_from_table=False, version=0) for (text,) in rows}
     return options.pop() if len(options) == 1 else None
 
 

@@ -117,7 +117,7 @@ def _check_structure(connection: sqlite3.Connection, found: Findings) -> None:
 
 
 def _columns(connection: sqlite3.Connection, table: str) -> set[str]:
-    return {row[1] for row in connection.execute(f"PRAGMA table_info({table})")}
+    return {row[1] for row in connection.execute(f"PRAGMA main.table_info({table})")}
 
 
 def _check_finished(connection: sqlite3.Connection, found: Findings) -> None:
@@ -129,7 +129,7 @@ def _check_finished(connection: sqlite3.Connection, found: Findings) -> None:
 def _check_rows(connection: sqlite3.Connection, found: Findings) -> None:
     """Compare the content of every row with its digest."""
     for table in digests.COVERED:
-        if "digest" not in _columns(connection, table):  # a library of an earlier version, or one that is half made
+        if not {"digest", *digests.COVERED[table]} <= _columns(connection, table):  # an earlier version, or half made
             found.unchecked += connection.execute(f"SELECT count(*) FROM {table}").fetchone()[0]
             continue
         found.unchecked += connection.execute(f"SELECT count(*) FROM {table} WHERE digest IS NULL").fetchone()[0]

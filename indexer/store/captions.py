@@ -12,11 +12,13 @@ import sqlite3
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 from unicodedata import normalize
 
 import numpy as np
 from numpy.typing import NDArray
 
+from indexer.part_names import splits
 from indexer.store.files import File
 
 _INDEXED = "clips JOIN files ON files.id = clips.file_id AND files.state = 'indexed'"
@@ -26,18 +28,35 @@ _CLIP_AT_PATH = (
     f"AND clips.clip_path = captions.path), (SELECT min(clips.id) FROM {_INDEXED} "
     "WHERE files.root_id = captions.root_id AND files.path = captions.path))"
 )
+#: Rows that state how a file is to be read.
+_STATES = "(fps IS NOT NULL OR up IS NOT NULL)"
 
 
 @dataclass(frozen=True)
 class CaptionRow:
-    """What a side file says of the motion at `path` (relative to the root): a caption, its frame rate, or its split."""
+    """What a side file says of the motion at `path` (relative to the root).
+
+    A caption, its frame rate, the axis that is up, or its split.
+    """
 
     path: str
     text: str | None = None
     start: float | None = None
     end: float | None = None
     fps: float | None = None
+    up: str | None = None
     split: str | None = None
+
+
+class Stated(NamedTuple):
+    """How a file is to be read, as captions tables state it: its frame rate, and the axis that is up."""
+
+    fps: float | None = None
+    up: str | None = None
+
+    def and_then(self, later: Stated) -> Stated:
+        """What holds where a later row states more."""
+        return Stated(later.fps or self.fps, later.up or self.up)
 
 
 def generation(db: sqlite3.Connection) -> int:
@@ -144,22 +163,48 @@ def record_side_file(db: sqlite3.Connection, root_id: int, file: File, digest: s
     return int(row[0])
 
 
-def stated_rates(db: sqlite3.Connection, root_id: int, *, without: Iterable[int] = ()) -> dict[str, float]:
-    """Path in composed form -> frame rate, as the captions tables of a root state it; `without` some side files."""
-    left_out = set(without)
+def stated_options(db: sqlite3.Connection, root_id: int, *, without: Iterable[int] = ()) -> dict[str, Stated]:
+    """Path in composed form -> how it is to be read, by the captions tables of a root; `without` some side files."""
+    left_out, stated = set(without), defaultdict[str, Stated](Stated)
     rows = db.execute(
-        "SELECT path, fps, side_file_id FROM captions WHERE root_id = ? AND fps IS NOT NULL ORDER BY id", (root_id,)
+        f"SELECT path, fps, up, side_file_id FROM captions WHERE root_id = ? AND {_STATES} ORDER BY id", (root_id,)
     )
-    return {normalize("NFC", path): fps for path, fps, file_id in rows if file_id not in left_out}
+    for path, fps, up, file_id in rows:
+        if file_id not in left_out:
+            path = normalize("NFC", path)
+            stated[path] = stated[path].and_then(Stated(fps, up))
+    return dict(stated)
 
 
-def stated_rate(db: sqlite3.Connection, root_id: int, path: str) -> float | None:
-    """The frame rate that a captions table states for one file, the last one where there are several."""
-    row = db.execute(
-        "SELECT fps FROM captions WHERE root_id = ? AND path IN (?, ?) AND fps IS NOT NULL ORDER BY id DESC LIMIT 1",
+def stated_option(db: sqlite3.Connection, root_id: int, path: str) -> Stated:
+    """How one file is to be read, by the captions tables; the last row counts where there are several."""
+    stated = Stated()
+    for fps, up in db.execute(
+        f"SELECT fps, up FROM captions WHERE root_id = ? AND path IN (?, ?) AND {_STATES} ORDER BY id",
         (root_id, path, normalize("NFC", path)),
-    ).fetchone()
-    return None if row is None else float(row[0])
+    ):
+        stated = stated.and_then(Stated(fps, up))
+    return stated
+
+
+def stated_of_parts(db: sqlite3.Connection, side_file_id: int) -> list[tuple[str, str]]:
+    """The paths of parts of files, each with its file, for which a side file states how they are to be read.
+
+    A file is read as a whole, so that nothing comes of it.
+    """
+    rows = db.execute(
+        f"SELECT DISTINCT root_id, path FROM captions WHERE side_file_id = ? AND {_STATES} AND instr(path, '#') "
+        "AND NOT EXISTS (SELECT 1 FROM files WHERE files.root_id = captions.root_id AND files.path = captions.path "
+        "AND state != 'gone') ORDER BY path",
+        (side_file_id,),
+    ).fetchall()
+    is_file = "SELECT 1 FROM files WHERE root_id = ? AND path = ? AND state != 'gone'"
+    return [
+        (path, file)
+        for root_id, path in rows
+        for file, _ in splits(path)
+        if db.execute(is_file, (root_id, file)).fetchone() is not None
+    ]
 
 
 def without_clip(db: sqlite3.Connection, side_file_id: int) -> tuple[str, int, str | None]:
@@ -216,9 +261,12 @@ def _insert(
         "INSERT OR IGNORE INTO texts(text) VALUES (?)", {(row.text,): None for row in rows if row.text is not None}
     )
     db.executemany(
-        "INSERT INTO captions(side_file_id, clip_id, root_id, path, text_id, start, end, fps, split) "
-        "VALUES (?, ?, ?, ?, (SELECT id FROM texts WHERE text = ?), ?, ?, ?, ?)",
-        [(side_file_id, clip_id, root_id, row.path, row.text, row.start, row.end, row.fps, row.split) for row in rows],
+        "INSERT INTO captions(side_file_id, clip_id, root_id, path, text_id, start, end, fps, up, split) "
+        "VALUES (?, ?, ?, ?, (SELECT id FROM texts WHERE text = ?), ?, ?, ?, ?, ?)",
+        [
+            (side_file_id, clip_id, root_id, row.path, row.text, row.start, row.end, row.fps, row.up, row.split)
+            for row in rows
+        ],
     )
 
 

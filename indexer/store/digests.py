@@ -22,7 +22,7 @@ COVERED = {
     "side_files": ("id", "root_id", "path", "size", "mtime_ns", "hash"),
     "texts": ("id", "text"),
     "text_embeddings": ("text_id", "model_id", "vector"),
-    "captions": ("id", "side_file_id", "root_id", "path", "clip_id", "text_id", "start", "end", "fps", "split"),
+    "captions": ("id", "side_file_id", "root_id", "path", "clip_id", "text_id", "start", "end", "fps", "up", "split"),
 }  # fmt: skip
 
 

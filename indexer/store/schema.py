@@ -194,12 +194,23 @@ def m005_digests(db: Database) -> None:
         db.execute(trigger.sql.replace("AFTER UPDATE ON", f"AFTER UPDATE OF {column} ON"))
 
 
-def _as_of_today(connection: sqlite3.Connection) -> None:
+@migration
+def m006_stated_axes(db: Database) -> None:
+    """Rows of captions that state which axis of a file is up."""
+    db.execute("ALTER TABLE captions ADD COLUMN up TEXT")
+    digests.register(db.conn)
+    row = 'id, side_file_id, root_id, path, clip_id, text_id, start, "end", fps'
+    db.execute(f"UPDATE captions SET digest = digest({row}, up, split) WHERE digest = digest({row}, split)")
+
+
+def _as_of_today(connection: sqlite3.Connection, version: int) -> None:
     """Show the tables of an older library, which is only read, with the columns that it lacks."""
-    defaults = ", ".join(f"{value} AS {name}" for name, _, value in _READING)
-    path = "(SELECT path FROM main.files WHERE files.id = file_id) AS clip_path"
-    connection.execute(f"CREATE TEMP VIEW clips AS SELECT *, {defaults}, {path} FROM main.clips")
-    connection.execute("CREATE TEMP VIEW captions AS SELECT *, NULL AS split FROM main.captions")
+    if version < 4:
+        defaults = ", ".join(f"{value} AS {name}" for name, _, value in _READING)
+        path = "(SELECT path FROM main.files WHERE files.id = file_id) AS clip_path"
+        connection.execute(f"CREATE TEMP VIEW clips AS SELECT *, {defaults}, {path} FROM main.clips")
+    split = "" if version >= 3 else ", NULL AS split"
+    connection.execute(f"CREATE TEMP VIEW captions AS SELECT *{split}, NULL AS up FROM main.captions")
 
 
 def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
@@ -230,8 +241,8 @@ def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
             f"{path}: not finished: it was begun, and nothing was written yet; run 'motionseek index' again"
         )
     digests.register(connection)
-    if version < 4 and not writable:
-        _as_of_today(connection)
+    if version < 6 and not writable:
+        _as_of_today(connection, version)
     return connection
 
 

@@ -196,6 +196,7 @@ def export_hits(
     *,
     library: Library | None = None,
     fps: float | None = None,
+    up: str | None = None,
     force: bool = False,
 ) -> None:
     """Write all hits into the folder of --export, if one is given."""
@@ -203,7 +204,7 @@ def export_hits(
         return
     from search.export.hit_files import export_hits as write
 
-    files = write(hits, folder, format, library=library, fps=fps, overwrite=force)
+    files = write(hits, folder, format, library=library, fps=fps, up=up, overwrite=force)
     click.echo(f"wrote {len(files)} {'file' if len(files) == 1 else 'files'} and hits.csv into {folder}", err=True)
 
 

@@ -37,6 +37,7 @@ def export_hits(
     *,
     library: StoredLibrary | None = None,
     fps: float | None = None,
+    up: str | None = None,
     overwrite: bool = False,
 ) -> list[Path]:
     """Write the span of each hit as a file into a folder, which is made where there is none.
@@ -53,6 +54,8 @@ def export_hits(
         That the hits are from.
     fps : float, optional
         The true frame rate of the file that all hits are from.
+    up : str, optional
+        The axis that is up in that file.
     overwrite : bool
         Whether files of these names may be replaced.
 
@@ -75,7 +78,7 @@ def export_hits(
     rows: list[tuple[object, ...]] = []
     written: dict[str, Hit] = {}
     for hit, name in zip(hits, files, strict=True):
-        note, is_written = _write(hit, folder / name, library, fps)
+        note, is_written = _write(hit, folder / name, library, fps, up)
         if is_written:
             written[name] = hit
         span = (f"{hit.start:.3f}", f"{hit.end:.3f}", hit.source_fps, hit.first_frame, hit.last_frame)
@@ -107,10 +110,10 @@ def _make(folder: Path, names: Iterable[str], overwrite: bool) -> None:
             )
 
 
-def _write(hit: Hit, out: Path, library: StoredLibrary | None, fps: float | None) -> tuple[str, bool]:
+def _write(hit: Hit, out: Path, library: StoredLibrary | None, fps: float | None, up: str | None) -> tuple[str, bool]:
     """Write the span of a hit; what is to be noted of it, and whether it is written."""
     try:
-        source = source_of(hit, library, fps=fps)
+        source = source_of(hit, library, fps=fps, up=up)
         write_cut(source, out, *span_of(hit, None, None))
         return source.stale(), True
     except (UnreadableMotion, UnknownClip, QueryError) as error:

@@ -123,8 +123,8 @@ class SourceRig:
 
     def _up_axis(self) -> Array:
         """The direction (3,) that is up in the file."""
-        take, axis = as_own_rig(self.take), self.take.up or "y"
-        if self.rig is not None and not take.up_is_certain:
+        take, axis = as_own_rig(self.take), self.reading.up or self.take.up or "y"
+        if not self.reading.up and self.rig is not None and not take.up_is_certain:
             marks, rest = (Landmarks.of(places, self.rig) for places in (self.take.positions, self.take.rest[None]))
             axis = up_axis(marks, rest, take.up).axis
         up: Array = _AXES[UP_AXES.index(axis)]

@@ -26,6 +26,7 @@ from search.cli import options
     metavar="LIKE.bvh",
     help="Write a .bvh on the skeleton of this file.",
 )
+@options.up
 @options.force
 @options.library
 @options.as_json
@@ -37,6 +38,7 @@ def export(
     fps: float | None,
     in_place: bool,
     rig: Path | None,
+    up: str | None,
     force: bool,
     folder: str | None,
     as_json: bool,
@@ -60,7 +62,7 @@ def export(
     if out.suffix.lower() not in WRITERS:
         raise click.UsageError(f"{out}: unsupported format; use {', '.join(WRITERS)}")
     options.refuse_overwriting(out, force)
-    with options.open_source(ref, folder) as (_, source, _library):
+    with options.open_source(ref, folder, up=up) as (_, source, _library):
         if source.file is not None and out.exists() and source.file.exists() and out.samefile(source.file):
             raise click.UsageError(f"{out} is the source file of the clip; choose another file")
         frames, fps = write_cut(source, out, start, end, fps=fps, in_place=in_place, rig=rig)

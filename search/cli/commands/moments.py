@@ -100,7 +100,7 @@ def moments(
             plot_moments(plot, question, source, found, *curve)
         width = shutil.get_terminal_size().columns
         terminal.moments(question, found, in_library, curve, as_json=as_json, width=width)
-        options.export_hits(found, export_folder, export_format, library=in_library, fps=fps, force=force)
+        options.export_hits(found, export_folder, export_format, library=in_library, fps=fps, up=up, force=force)
     if plot is not None:
         terminal.note(f"wrote {plot}")
 

@@ -16,6 +16,7 @@ from search.cli import options
 @options.end
 @click.option("--size", type=click.IntRange(64, 2160), default=480, show_default=True, help="Image height in pixels.")
 @click.option("--fps", type=click.FloatRange(1, 60), default=20, show_default=True, help="Frame rate of an animation.")
+@options.up
 @options.force
 @options.library
 @options.as_json
@@ -26,6 +27,7 @@ def render(
     end: float | None,
     size: int,
     fps: float,
+    up: str | None,
     force: bool,
     folder: str | None,
     as_json: bool,
@@ -47,7 +49,7 @@ def render(
     if out.suffix.lower() not in WRITERS:
         raise click.UsageError(f"{out}: unsupported format; use {', '.join(WRITERS)}")
     options.refuse_overwriting(out, force)
-    with options.open_source(ref, folder) as (_, source, _library):
+    with options.open_source(ref, folder, up=up) as (_, source, _library):
         frames = write_picture(source.cut(start, end), out, size=size, fps=fps)
     if as_json:
         terminal.document({"path": str(out), "source": source.path, "frames": frames})

@@ -17,6 +17,7 @@ from search.cli import options
 @options.hits
 @options.filters
 @options.fps
+@options.up
 @options.library
 @options.as_json
 def similar(
@@ -26,6 +27,7 @@ def similar(
     moments: bool,
     k: int,
     fps: float | None,
+    up: str | None,
     folder: str | None,
     as_json: bool,
     **filters: Any,
@@ -44,7 +46,7 @@ def similar(
     from search.references import find_source
 
     with options.open_library(folder) as library:
-        source = find_source(ref, library, fps=fps)
+        source = find_source(ref, library, fps=fps, up=up)
         found = library.similar(source, k, start, end, moments=moments, **filters)
         terminal.hits(found, ref, library, as_json=as_json)
         if not found:

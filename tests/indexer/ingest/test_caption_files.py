@@ -17,14 +17,16 @@ def table(tmp_path):
     return read
 
 
-def test_a_table_names_files_captions_spans_and_frame_rates(table):
+def test_a_table_names_files_captions_spans_frame_rates_and_axes(table):
     rows, warnings = table(
-        'path,text,start,end,fps\na.bvh,a person walks,,,\nb/c.bvh,"sits down, slowly",1.5,3,\nd.amc,,,,60\n'
+        'path,text,start,end,fps,up\na.bvh,a person walks,,,,\nb/c.bvh,"sits down, slowly",1.5,3,,\n'
+        "d.amc,,,,60,\ne.bvh,,,,, -Z\n"
     )
     assert rows == [
         CaptionRow("a.bvh", "a person walks"),
         CaptionRow("b/c.bvh", "sits down, slowly", 1.5, 3.0),
         CaptionRow("d.amc", fps=60.0),
+        CaptionRow("e.bvh", up="-z"),
     ]
     assert warnings == []
 
@@ -69,11 +71,12 @@ def test_lines_of_json(table):
         ("a.bvh,walks,nan,3,", "is no number"),
         (f"a.bvh,walks,{'9' * 400},3,", "start '9999"),
         ("a.bvh,walks,,,0", "fps=0 is no frame rate"),
+        ("a.bvh,walks,,,,up", "up='up' is no axis; it must be one of x, y, z, -x, -y, -z"),
         ("a.bvh," + "x" * 3000 + ",,,", "3000 characters are more than 2000"),
     ],
 )
 def test_a_bad_row_is_reported_with_its_line_and_the_rest_is_read(table, line, reason):
-    rows, warnings = table(f"path,text,start,end,fps\ngood.bvh,walks,,,\n{line}\nlast.bvh,runs,,,\n")
+    rows, warnings = table(f"path,text,start,end,fps,up\ngood.bvh,walks,,,\n{line}\nlast.bvh,runs,,,\n")
     assert [row.path for row in rows] == ["good.bvh", "last.bvh"]
     assert len(warnings) == 1
     assert warnings[0].startswith(", line 3: ")

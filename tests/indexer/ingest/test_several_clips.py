@@ -233,7 +233,8 @@ def _downgrade(file):
     db.execute("UPDATE files SET recipe = '[1, null, false, []]'")
     db.execute("DROP TABLE generations")
     db.execute("DROP INDEX captions_split")
-    db.execute("ALTER TABLE captions DROP COLUMN split")
+    for column in ("split", "up"):
+        db.execute(f"ALTER TABLE captions DROP COLUMN {column}")
     for table in digests.COVERED:
         db.execute(f"ALTER TABLE {table} DROP COLUMN digest")
     db.execute("PRAGMA user_version = 1")
