@@ -25,7 +25,8 @@ import numpy as np
 from benchmarks.simulated import simulate
 from indexer.ingest import indexing
 from indexer.store import schema
-from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
+from indexer.store.library_reader import FILE, FOLDER
+from indexer.store.stored_library import StoredLibrary
 
 A_CLIP = 50  # windows
 

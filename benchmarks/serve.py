@@ -33,7 +33,8 @@ import numpy as np
 
 from benchmarks.simulated import all_sentences, asked, simulate
 from encoders.bundle import bundle as bundles
-from indexer.store.stored_library import FILE, StoredLibrary
+from indexer.store.library_reader import FILE
+from indexer.store.stored_library import StoredLibrary
 from indexer.vectors.blocks import Block
 from indexer.vectors.faiss_index import FaissIndex
 from indexer.vectors.library_indexes import CLIPS, WINDOWS, LibraryIndexes

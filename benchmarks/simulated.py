@@ -11,8 +11,9 @@ import numpy as np
 
 from indexer.store import schema
 from indexer.store.files import INDEXED
+from indexer.store.library_reader import FILE
 from indexer.store.read_options import ReadOptions
-from indexer.store.stored_library import FILE, StoredLibrary
+from indexer.store.stored_library import StoredLibrary
 from indexer.vectors.library_indexes import CLIPS
 from search.query.vocabulary import vocabulary
 

@@ -18,7 +18,8 @@ from indexer.argument_checks import checked_rate, checked_up
 from indexer.ingest import arrays
 from indexer.ingest.arrays import NewClip
 from indexer.store.clips import Caption, Clip
-from indexer.store.stored_library import StoredLibrary, one_snapshot
+from indexer.store.library_reader import one_snapshot
+from indexer.store.stored_library import StoredLibrary
 from search.drawing.film import write_picture
 from search.export.cut import RATES, writable, write_cut
 from search.export.hit_files import export_hits

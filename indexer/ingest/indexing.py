@@ -30,7 +30,8 @@ from indexer.ingest.side_files import SideFileChanges
 from indexer.part_names import with_part
 from indexer.store.captions import remove_side_files, stated_options
 from indexer.store.files import INDEXED, FileVersion
-from indexer.store.stored_library import FILE, FOLDER, StoredLibrary, library_folder
+from indexer.store.library_reader import FILE, FOLDER, library_folder
+from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
 
 #: Called with the number of files done, the number to do, and the path of the last one.

@@ -16,7 +16,7 @@ from encoders.errors import UnreadableMotion
 from indexer.formats import table, zip_archive
 from indexer.formats.opening import time_of
 from indexer.store.files import File
-from indexer.store.stored_library import FILE
+from indexer.store.library_reader import FILE
 
 TABLES = frozenset({"captions.csv", "captions.tsv", "captions.jsonl"})
 LINES = ".txt"

@@ -16,7 +16,8 @@ from indexer.ingest.scan import walk
 from indexer.maintenance.salvage import UNFINISHED
 from indexer.store import digests, poses, schema
 from indexer.store.files import ARRAYS_ROOT
-from indexer.store.stored_library import FILE, StoredLibrary
+from indexer.store.library_reader import FILE
+from indexer.store.stored_library import StoredLibrary
 from indexer.vectors.library_indexes import CLIPS, WINDOWS
 
 #: Lines of SQLite's own check.

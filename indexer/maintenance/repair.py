@@ -16,7 +16,8 @@ from indexer.maintenance.check import Fault, Findings, check
 from indexer.maintenance.salvage import UNFINISHED, salvage
 from indexer.store import poses
 from indexer.store.files import ARRAYS_ROOT
-from indexer.store.stored_library import FOLDER, StoredLibrary
+from indexer.store.library_reader import FOLDER
+from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
 
 #: Clips encoded at once.

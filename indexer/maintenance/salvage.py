@@ -12,8 +12,8 @@ from typing import Any
 
 from encoders.errors import LibraryError
 from indexer.store import digests, schema
+from indexer.store.library_reader import FILE
 from indexer.store.lock import write_lock
-from indexer.store.stored_library import FILE
 
 #: What a damaged database is renamed to.
 DAMAGED = f"{FILE}.damaged"

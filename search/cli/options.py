@@ -88,7 +88,7 @@ def library_of(place: str | None, folder: str | None) -> Path:
         If there is none.
     """
     from encoders.errors import LibraryNotFound
-    from indexer.store.stored_library import library_folder
+    from indexer.store.library_reader import library_folder
     from search.cli.locate import locate
 
     if place is not None and folder is not None:

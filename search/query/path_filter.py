@@ -10,7 +10,8 @@ from pathlib import PurePosixPath
 import numpy as np
 from numpy.typing import NDArray
 
-from indexer.store.stored_library import StoredLibrary, composed, folded
+from indexer.store.spelling import composed, folded
+from indexer.store.stored_library import StoredLibrary
 
 #: Clips whose paths are compared with one that matches nothing; folders that an error suggests, at most.
 _COMPARED, _SUGGESTED = 5000, 4

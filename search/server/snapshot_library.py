@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from encoders.errors import MotionSeekError
 from encoders.protocol import Encoder
 from indexer.store.clips import Caption, Clip
-from indexer.store.stored_library import FileId
+from indexer.store.library_reader import FileId
 from indexer.vectors.faiss_index import FaissIndex
 from indexer.vectors.library_indexes import CLIPS, WINDOWS
 from search.hits import Hits

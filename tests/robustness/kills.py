@@ -21,7 +21,8 @@ from indexer.ingest import indexing, reencode
 from indexer.maintenance.check import check
 from indexer.maintenance.repair import repair
 from indexer.store import schema
-from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
+from indexer.store.library_reader import FILE, FOLDER
+from indexer.store.stored_library import StoredLibrary
 from tests.indexer.folders import SmallBundle
 from tests.robustness.content import change, content, differences, make
 

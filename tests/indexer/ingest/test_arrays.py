@@ -12,8 +12,9 @@ from indexer.ingest.indexing import index
 from indexer.ingest.load import load_motion
 from indexer.ingest.reencode import reencode
 from indexer.store.clips import Caption
+from indexer.store.library_reader import FOLDER
 from indexer.store.lock import write_lock
-from indexer.store.stored_library import FOLDER, StoredLibrary
+from indexer.store.stored_library import StoredLibrary
 from tests.indexer.folders import SmallBundle, moving, write
 
 

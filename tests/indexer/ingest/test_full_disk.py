@@ -11,7 +11,8 @@ from encoders.errors import LibraryDamaged, LibraryError
 from indexer.ingest import indexing
 from indexer.ingest.indexing import index
 from indexer.store import schema
-from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
+from indexer.store.library_reader import FILE, FOLDER
+from indexer.store.stored_library import StoredLibrary
 from indexer.vectors import library_indexes
 from tests.indexer.folders import SmallBundle, write
 

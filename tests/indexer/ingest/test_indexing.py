@@ -19,8 +19,9 @@ from indexer.ingest.pool import Read
 from indexer.ingest.reencode import reencode
 from indexer.read_motion import ReadMotion
 from indexer.store import read_options
+from indexer.store.library_reader import FILE, FOLDER
 from indexer.store.lock import write_lock
-from indexer.store.stored_library import FILE, FOLDER, Caption, StoredLibrary
+from indexer.store.stored_library import Caption, StoredLibrary
 from tests.indexer.folders import SmallBundle, moving, write
 
 ROOT = Path(__file__).parents[3]

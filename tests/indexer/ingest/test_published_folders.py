@@ -10,7 +10,8 @@ import pytest
 
 from encoders.features.humanml3d import joints_to_features
 from indexer.ingest.indexing import Summary, index
-from indexer.store.stored_library import FOLDER, Caption, StoredLibrary
+from indexer.store.library_reader import FOLDER
+from indexer.store.stored_library import Caption, StoredLibrary
 from search.query.filters import Filters
 from tests.indexer.bodies import KIT, body, in_order
 from tests.indexer.folders import SmallBundle, moving

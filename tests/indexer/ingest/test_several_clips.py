@@ -14,7 +14,8 @@ from indexer.ingest import file_parts, indexing
 from indexer.ingest.load import load_motion, read_motions
 from indexer.ingest.pool import Read
 from indexer.store import digests, schema
-from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
+from indexer.store.library_reader import FILE, FOLDER
+from indexer.store.stored_library import StoredLibrary
 from search.library import Library
 from search.references import find_source
 from tests.indexer.folders import SmallBundle

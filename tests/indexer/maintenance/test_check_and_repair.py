@@ -16,7 +16,8 @@ from indexer.maintenance.check import check
 from indexer.maintenance.repair import repair
 from indexer.maintenance.salvage import DAMAGED
 from indexer.store import schema
-from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
+from indexer.store.library_reader import FILE, FOLDER
+from indexer.store.stored_library import StoredLibrary
 from tests.indexer.folders import SmallBundle, moving, write
 
 

@@ -22,7 +22,8 @@ from indexer.ingest.arrays import NewClip, add
 from indexer.ingest.pool import Read
 from indexer.read_motion import ReadMotion
 from indexer.store import poses, schema
-from indexer.store.stored_library import FILE, FOLDER, Caption, StoredLibrary
+from indexer.store.library_reader import FILE, FOLDER
+from indexer.store.stored_library import Caption, StoredLibrary
 from tests.indexer.folders import SmallBundle, moving, write
 
 
