@@ -11,7 +11,8 @@ import pytest
 
 from indexer.ingest import indexing
 from indexer.store import schema
-from indexer.store.stored_library import FILE, StoredLibrary
+from indexer.store.library_reader import FILE
+from indexer.store.stored_library import StoredLibrary
 from tests.indexer.folders import SmallBundle, write
 
 
