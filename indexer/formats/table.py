@@ -31,10 +31,20 @@ _BOM = b"\xef\xbb\xbf"
 
 
 class Companion(NamedTuple):
-    """A file beside a motion that the motion is read with: its ending, and bytes that tell it from the motion."""
+    """Files beside a motion that it may be read with.
+
+    Attributes
+    ----------
+    ending : str
+    signature : bytes
+        What tells such a file from the motion; empty where nothing does.
+    same_name : bool
+        Whether only one of the motion's own name is taken.
+    """
 
     ending: str
-    signature: bytes
+    signature: bytes = b""
+    same_name: bool = False
 
 
 @dataclass(frozen=True)
@@ -79,7 +89,7 @@ FORMATS = (
     Format(".npy", npy.read, rb"\x93numpy", default_fps=20.0, states_fps=False),
     Format(".npz", npz.read, rb"pk", needs_ending=True, default_fps=20.0),
     Format(".glb", gltf_reader.read, rb"gltf"),
-    Format(".gltf", gltf_reader.read, rb"\{", needs_ending=True),
+    Format(".gltf", gltf_reader.read, rb"\{", needs_ending=True, companion=Companion(".bin", same_name=True)),
     Format(".vrm", gltf_reader.read, rb"gltf"),
     Format(".vrma", gltf_reader.read, rb"gltf"),
     Format(".usd", usd_reader.read, rb"#usda|pxr-usdc"),
@@ -116,7 +126,8 @@ def detect(path: str | PathLike[str], data: bytes) -> Format:
     refused = next((row for row in REFUSED if row.signature and _matches(row.signature, start)), None)
     if refused is None:
         for row in FORMATS:
-            if row.companion and is_text and row.companion.signature in data[:COMPANION_START].lower():
+            mark = row.companion.signature if row.companion else b""
+            if mark and is_text and mark in data[:COMPANION_START].lower():
                 raise UnreadableMotion(
                     path, f"this is a skeleton without motion; read the {row.ending} files that belong to it"
                 )

@@ -38,14 +38,18 @@ class Folder:
 
     def motions(self) -> list[File]:
         """The files that are motions by their ending, each with the companions it may need."""
-        by_ending: dict[str, list[File]] = {}
+        others: dict[tuple[str, str], list[File]] = {}  # by ending, and by ending and name
         for file in self.files:
-            by_ending.setdefault(file.ending, []).append(file)
-        companions = {
-            row.ending: by_ending.get(row.companion.ending, []) for row in table.FORMATS if row.companion is not None
-        }
+            others.setdefault((file.ending, ""), []).append(file)
+            others.setdefault((file.ending, file.stem), []).append(file)
+
+        def companions(motion: File) -> list[File]:
+            row = table.READABLE.get(motion.ending)
+            kind = None if row is None else row.companion
+            return [] if kind is None else others.get((kind.ending, motion.stem if kind.same_name else ""), [])
+
         return [
-            with_companions(file, companions.get(file.ending, []))
+            with_companions(file, companions(file))
             for file in self.files
             if table.is_motion(file.ending) or file.ending == zip_archive.ENDING
         ]

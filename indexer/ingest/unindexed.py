@@ -112,7 +112,9 @@ def _scanned(place: Path) -> File:
     row = table.READABLE.get(place.suffix.lower())
     others: list[Path] = []
     if row is not None and row.companion is not None:
-        others = [other for other in beside(place) if other.suffix.lower() == row.companion.ending]
+        kind = row.companion
+        others = [other for other in beside(place) if other.suffix.lower() == kind.ending]
+        others = [other for other in others if not kind.same_name or other.stem == place.stem]
     companions = [File(other.name, *state(other)) for other in others if not other.name.startswith(".")]
     return with_companions(File(place.name, *state(place)), companions)
 

@@ -125,7 +125,12 @@ class Document:
         inline = _DATA_URI.match(uri)
         if inline:
             return self._decoded(uri[inline.end() :], bool(inline["base64"]))
-        return read_bytes(self._beside(uri), as_it_is=True)
+        try:
+            return read_bytes(self._beside(uri), as_it_is=True)
+        except UnreadableMotion as error:
+            if error.__cause__ is None:
+                raise
+            raise self.error(f"its buffer {uri[:80]!r} cannot be read: {error.reason}") from error.__cause__
 
     def _decoded(self, text: str, is_base64: bool) -> bytes:
         try:

@@ -64,7 +64,7 @@ def _takes(path: str | PathLike[str], stage: Any, fps: float | None) -> list[Tak
         places += len(times) * len(skeleton.joints)
         if places > MAX_PLACES:
             raise UnreadableMotion(path, "its animations are too long; cut the file into parts")
-        takes.append(_take(skeleton, animation, times, per_second, fps or rate, name, up))
+        takes.append(_take(stage, skeleton, animation, times, fps or rate, name, up))
     return takes if len(takes) > 1 else [replace(takes[0], name="")]
 
 
@@ -85,16 +85,17 @@ def _pairs(
 
 
 def _take(
-    skeleton: UsdSkeleton, animation: UsdAnimation, times: Array, per_second: float, fps: float, name: str, up: str
+    stage: Any, skeleton: UsdSkeleton, animation: UsdAnimation, times: Array, fps: float, name: str, up: str
 ) -> Take:
     def posed(at: Array) -> list[Pose]:
-        codes = (at * per_second).tolist()
+        # Holds the stage: prims live as long as it does, and rotations are asked for after reading.
+        codes = (at * float(stage.GetTimeCodesPerSecond())).tolist()
         return _worlds(skeleton, skeleton.places(codes), animation.locals(skeleton, codes))
 
     return scene_take(
         skeleton.names,
         skeleton.parents,
-        _rest(skeleton, float(times[0] * per_second)),
+        _rest(skeleton, float(times[0] * stage.GetTimeCodesPerSecond())),
         {i for i, joint in enumerate(skeleton.joints) if joint in animation.joints},
         posed,
         times,

@@ -94,7 +94,7 @@ def test_a_buffer_elsewhere_is_not_read(tmp_path: Path, uri: str) -> None:
 
 
 def test_a_missing_buffer_is_named(tmp_path: Path) -> None:
-    with pytest.raises(UnreadableMotion, match=r"a\.bin: No such file"):
+    with pytest.raises(UnreadableMotion, match=r"a\.gltf: its buffer 'a\.bin' cannot be read: No such file"):
         read(asset_of(ACTED).gltf("a.bin"), tmp_path, "a.gltf")
 
 

@@ -55,6 +55,13 @@ def test_what_several_paths_lead_to_is_taken_once_under_its_own(root):
     ]
 
 
+def test_a_buffer_belongs_to_the_scene_of_its_name(root):
+    for name in ("run.gltf", "walk.gltf", "walk.bin", "data.bin"):
+        (root / name).write_text("{}")
+    scenes = [motion for motion in walk(root).folders[0].motions() if motion.ending == ".gltf"]
+    assert [scene.companions for scene in scenes] == [(), ("walk.bin",)]
+
+
 def test_a_skeleton_or_caption_file_may_be_shared_through_links(root):
     (root / "s.asf").write_text("skeleton")
     (root / "a.txt").write_text("a person walks")

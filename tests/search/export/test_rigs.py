@@ -19,6 +19,7 @@ from search.source import MotionSource
 from tests.conftest import ROOT
 from tests.indexer.formats import fbx_writer as fbx
 from tests.indexer.formats.gltf_files import asset_of
+from tests.indexer.formats.usd_files import usda
 from tests.indexer.performances import Z_UP, Performance, bvh, performance
 from tests.search.export.test_generations import MOTIONS
 
@@ -189,12 +190,16 @@ def _fbx(acted: Performance) -> bytes:
     return fbx.binary(fbx.scene(nodes, [fbx.Stack("Walk", [fbx.Layer(moves)])], settings=settings))
 
 
-@pytest.mark.parametrize("ending", [".fbx", ".glb"])
+@pytest.mark.parametrize("ending", [".fbx", ".glb", ".usda"])
 def test_a_scene_becomes_a_bvh_of_its_own_skeleton_and_rate_with_y_up(ending: str, tmp_path: Path) -> None:
     acted = performance("mixamo", frames=60, fps=30.0)
     is_fbx = ending == ".fbx"
-    data = _fbx(acted.transformed(Z_UP)) if is_fbx else asset_of(acted).glb()
-    (tmp_path / f"in{ending}").write_bytes(data)
+    if ending == ".usda":
+        pytest.importorskip("pxr.Usd", reason="usd-core is not installed")
+        (tmp_path / "in.usda").write_text(usda(acted))
+    else:
+        data = _fbx(acted.transformed(Z_UP)) if is_fbx else asset_of(acted).glb()
+        (tmp_path / f"in{ending}").write_bytes(data)
     source = MotionSource.of_file(tmp_path / f"in{ending}")
     _, fps = write_cut(source, tmp_path / "out.bvh")
     whole, written = read_take(tmp_path / f"in{ending}"), read_take(tmp_path / "out.bvh")
