@@ -78,12 +78,23 @@ class Curve:
     before: Extrapolation
     after: Extrapolation
 
+    @property
+    def stays(self) -> bool:
+        """Whether it stays where it is beyond its keys."""
+        return self.before.mode == self.after.mode == "C"
+
+    @property
+    def is_still(self) -> bool:
+        """Whether it has one value at all times."""
+        return self.attributes.is_straight and bool((self.values == self.values[0]).all())
+
 
 class CurveReader:
     """Reads curves; what several have in common, as most have in files of baked motion, is decoded once."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[int, ...], tuple[object, Attributes]] = {}
+        self._in_order: dict[int, Integers] = {}
 
     def read(self, record: Record) -> Curve | None:
         """The curve of a record; None where it has no keys.
@@ -107,7 +118,13 @@ class CurveReader:
         if key not in self._known:  # the arrays are kept, so that no others get their identities
             self._known[key] = arrays, decoded(*arrays, len(times))
         beyond = extrapolations(record) if len(record.children) > len(_ARRAYS) else (_STAYS, _STAYS)
-        return checked(Curve(times, values, self._known[key][1], *beyond))
+        curve = Curve(times, values, self._known[key][1], *beyond)
+        if id(times) in self._in_order and np.isfinite(values).all():
+            return curve
+        curve = checked(curve)
+        if curve.times is times:
+            self._in_order[id(times)] = times
+        return curve
 
 
 def decoded(flags: Integers, data: NDArray[np.float32], runs: Integers, count: int) -> Attributes:
@@ -122,17 +139,25 @@ def decoded(flags: Integers, data: NDArray[np.float32], runs: Integers, count: i
     if not len(ends) or ends[-1] < count or len(runs) != len(flags) or len(data) != 4 * len(runs):
         raise DamagedFbx(f"a curve of {count} keys has attributes for fewer")
     data = data.reshape(-1, 4)
-    # two weights are packed into the bits of one number
-    packed = np.ascontiguousarray(data[:, 2]).view("<u4").astype(np.int64)
-    weights = np.stack(
+    numbers = data[:, :3].astype(np.float64)
+    if not np.isfinite(numbers).all():
+        numbers = np.nan_to_num(numbers)
+    weights = unpacked_weights(flags, np.ascontiguousarray(data[:, 2]))
+    return Attributes.of(np.diff(ends, prepend=0), flags.astype(np.int64), numbers[:, :2], weights, numbers[:, 2])
+
+
+def unpacked_weights(flags: Integers, packed: NDArray[np.float32]) -> Floats:
+    """Weights (R, 2), of which two are packed into the bits of one number."""
+    if not (flags & (_WEIGHTED | _NEXT_WEIGHTED)).any():
+        return np.broadcast_to(THIRD, (len(flags), 2))
+    bits = packed.view("<u4").astype(np.int64)
+    return np.stack(
         [
-            np.where(flags & _WEIGHTED, (packed & 0xFFFF) * _WEIGHT_UNIT, THIRD),
-            np.where(flags & _NEXT_WEIGHTED, (packed >> 16) * _WEIGHT_UNIT, THIRD),
+            np.where(flags & _WEIGHTED, (bits & 0xFFFF) * _WEIGHT_UNIT, THIRD),
+            np.where(flags & _NEXT_WEIGHTED, (bits >> 16) * _WEIGHT_UNIT, THIRD),
         ],
         axis=1,
     )
-    numbers = np.nan_to_num(data[:, :3].astype(np.float64))
-    return Attributes.of(np.diff(ends, prepend=0), flags.astype(np.int64), numbers[:, :2], weights, numbers[:, 2])
 
 
 def checked(curve: Curve) -> Curve:

@@ -14,7 +14,7 @@ from indexer.formats.fbx.records import (
     DamagedFbx,
     PackedArray,
     Record,
-    Unpacker,
+    Room,
     Wanted,
 )
 
@@ -28,7 +28,10 @@ _SCALARS = {
 _ARRAYS = {ord(kind): kind for kind in "fdlibc"}
 _array_header, _length = Struct("<III").unpack_from, Struct("<I").unpack_from
 _READ = frozenset(name.encode() for name in PROPERTIES)
-_TEXT, _BYTES = ord("S"), ord("R")
+_TEXT, _BYTES, _LONG = ord("S"), ord("R"), ord("L")
+_link = Struct("<7sBqBq").unpack_from
+_LINK_SIZE = Struct("<7sBqBq").size
+_LINK_KINDS = {b"S\2\0\0\0" + kind.encode(): kind for kind in ("OO", "OP")}
 
 
 def parse(data: bytes) -> Record:
@@ -50,8 +53,9 @@ class _Parser:
     def __init__(self, data: bytes, version: int) -> None:
         self.data = data
         self.header = Struct("<QQQB" if version >= _WIDE else "<IIIB")
-        self.unpacker = Unpacker()
+        self.room = Room()
         self.left = MAX_RECORDS
+        self.known: dict[tuple[int, bytes], list[Any]] = {}
 
     def records(self, at: int, end: int, wanted: Wanted | None, depth: int) -> list[Record]:
         """The records that stand between two places."""
@@ -79,6 +83,26 @@ class _Parser:
         return found
 
     def values(self, at: int, end: int, count: int) -> list[Any]:
+        """The values that stand between two places; equal ones, of which there are many, are one list."""
+        if count >= 3 and end - at >= _LINK_SIZE:
+            values = self.link(at, end, count)
+            if values is not None:
+                return values
+        key = count, self.data[at:end]
+        found = self.known.get(key)
+        if found is None:
+            found = self.known[key] = self.new_values(at, end, count)
+        return found
+
+    def link(self, at: int, end: int, count: int) -> list[Any] | None:
+        """The values of a connection of version 7: its kind and two numbers, and a text where there are four."""
+        kind, first, child, second, parent = _link(self.data, at)
+        if kind not in _LINK_KINDS or first != _LONG or second != _LONG:
+            return None
+        values = [_LINK_KINDS[kind], child, parent]
+        return values if count == 3 else values + self.values(at + _LINK_SIZE, end, count - 3)
+
+    def new_values(self, at: int, end: int, count: int) -> list[Any]:
         """The values that stand between two places."""
         data = self.data
         values: list[Any] = []
@@ -99,7 +123,7 @@ class _Parser:
                     number, packing, size = _array_header(data, at + 1)
                     content = data[at + 13 : at + 13 + size]
                     at += 13 + size
-                    values.append(PackedArray(_ARRAYS[kind], number, packing != 0, content, self.unpacker))
+                    values.append(PackedArray(_ARRAYS[kind], number, packing != 0, content, self.room))
                 elif kind == _BYTES:
                     at += 5 + _length(data, at + 1)[0]
                     values.append(b"")

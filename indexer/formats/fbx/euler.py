@@ -16,6 +16,29 @@ def axes_of(order: float) -> tuple[int, int, int]:
     return ORDERS[int(order)] if 0 <= order < len(ORDERS) else ORDERS[0]
 
 
+def euler_axes(degrees: Floats, order: tuple[int, int, int], out: Floats) -> None:
+    """Write where the axes of turned frames point.
+
+    Parameters
+    ----------
+    degrees : float array (M, 3, T)
+        Angles about x, y and z.
+    order : tuple of int
+        The axes in the order in which they turn a body.
+    out : float array (M, 3 axes, 3, T)
+    """
+    i, j, k = order
+    sign = 1.0 if order in ((0, 1, 2), (1, 2, 0), (2, 0, 1)) else -1.0  # the others are mirrored
+    radians = np.deg2rad(degrees)
+    cosine, sine = np.cos(radians), np.sin(radians) * sign
+    ci, cj, ck = (cosine[:, axis] for axis in order)
+    si, sj, sk = (sine[:, axis] for axis in order)
+    cc, cs, sc, ss = ci * ck, ci * sk, si * ck, si * sk
+    out[:, i, i], out[:, i, j], out[:, i, k] = cj * ck, cj * sk, -sj
+    out[:, j, i], out[:, j, j], out[:, j, k] = sj * sc - cs, sj * ss + cc, si * cj
+    out[:, k, i], out[:, k, j], out[:, k, k] = sj * cc + ss, sj * cs - sc, ci * cj
+
+
 def multiply(a: Floats, b: Floats) -> Floats:
     """The rotation `a` after `b`."""
     ax, ay, az, aw = a

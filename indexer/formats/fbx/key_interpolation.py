@@ -1,8 +1,7 @@
 """Values of animation curves at given times.
 
 Between two keys a curve stays, goes straight, or follows a cubic Bezier in time and value. A tangent has a slope, and a
-weight: the share of the interval along which it pulls, a third unless stated. How the slopes of `auto` keys come about
-is as ufbx (version 0.21), and with it the FBX SDK, has it.
+weight: the share of the interval along which it pulls, a third unless stated.
 """
 
 from __future__ import annotations
@@ -14,22 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from indexer.formats.fbx.animation_curves import (
-    CLAMP,
-    CLAMP_PROGRESSIVE,
     CONSTANT,
     CUBIC,
     TCB,
     THIRD,
-    TIME_INDEPENDENT,
     TO_NEXT,
     USER,
     Curve,
 )  # fmt: skip
+from indexer.formats.fbx.tangent_slopes import AutoSlopes, tcb_slopes
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_FLAT = 1e-4  # the slopes of a key below which it has no bias
 _STEPS = 10  # of Newton's method
 _ON_KEY = 2.0  # ticks from a key within which a time is that of the key, which programs round up or down
 
@@ -41,7 +37,13 @@ def sample(curves: Sequence[Curve], ticks: Floats, second: float) -> Floats:
     known: dict[int, _Places] = {}  # curves often share the times of their keys
     bent: list[tuple[int, _Places]] = []
     for i, curve in enumerate(curves):
-        if curve.before.mode == curve.after.mode == "C":
+        if curve.is_still:
+            values[i] = curve.values[0]
+            continue
+        if curve.stays and curve.attributes.is_straight:
+            values[i] = np.interp(ticks, curve.times, curve.values)
+            continue
+        if curve.stays:
             if id(curve.times) not in known:
                 known[id(curve.times)] = _Places.of(curve, ticks)
             places = known[id(curve.times)]
@@ -125,8 +127,8 @@ class _Keys(NamedTuple):
         firsts = np.cumsum(counts) - counts
         parts = zip(*(curve.attributes[:5] for curve in curves), strict=True)
         runs, *attributes = (np.concatenate(part) for part in parts)
-        run = np.repeat(np.arange(len(runs)), runs)
-        flags, stated, weights, bias = (attribute[run] for attribute in attributes)
+        run = np.repeat(np.arange(len(runs)), runs)  # of each key, what is said of its run
+        flags, stated, weights, bias = (part if len(run) == len(runs) else part[run] for part in attributes)
         is_first, is_last = np.zeros((2, int(counts.sum())), np.bool_)
         is_first[firsts] = True
         is_last[firsts + counts - 1] = True
@@ -182,11 +184,13 @@ class _Keys(NamedTuple):
         slopes = np.stack([np.where(self.is_first, 0.0, _previous(stated)), self.stated[:, 0]])
         is_auto = curved & ~tcb & ~user
         if is_auto.any():
-            bend = _Bend(passed, coming, left, right, *self.sides(), self.flags)
+            bend = AutoSlopes(passed, coming, left, right, *self.sides(), self.flags)
             slopes = np.where(is_auto, bend.slopes(*slopes), slopes)
         if (curved & tcb).any():
             tension, continuity = self.stated.T
-            slopes = np.where(curved & tcb, _tcb(tension, continuity, self.bias, passed, coming, left, right), slopes)
+            slopes = np.where(
+                curved & tcb, tcb_slopes(tension, continuity, self.bias, passed, coming, left, right), slopes
+            )
         slopes[1] = np.where(curved, slopes[1], np.where(constant, 0.0, right))
         return slopes[0], slopes[1]
 
@@ -199,70 +203,6 @@ class _Keys(NamedTuple):
 def _previous(values: NDArray[Any]) -> NDArray[Any]:
     """Of each key what belongs to the key before."""
     return np.concatenate([values[:1], values[:-1]])
-
-
-class _Bend(NamedTuple):
-    """What the slopes of `auto` keys come from: seconds and slopes to the keys before and after, weights, flags."""
-
-    passed: Floats
-    coming: Floats
-    left: Floats
-    right: Floats
-    weight_left: Floats
-    weight_right: Floats
-    flags: Integers
-
-    def slopes(self, stated_left: Floats, stated_right: Floats) -> Floats:
-        """Slopes before and after (2, K). What a key states as slopes is, for an `auto` key, its bias in percent."""
-        inner = (self.passed > 0) & (self.coming > 0)
-        is_smooth = np.abs(stated_left + stated_right) <= _FLAT
-        before = np.where(is_smooth, stated_right, -stated_left)
-        at_end = self._outer(np.where(self.passed > 0, self.left, self.right),
-                             np.where(self.passed > 0, -stated_left, stated_right))  # fmt: skip
-        slopes = np.stack([self._inner(before), self._inner(stated_right)])
-        return np.where(inner, slopes, np.where((self.passed > 0) | (self.coming > 0), at_end, 0.0))
-
-    def _inner(self, bias: Floats) -> Floats:
-        """Slopes at keys that stand between two others."""
-        whole = np.maximum(self.passed + self.coming, 1e-300)
-        slope = (self.left * self.passed + self.right * self.coming) / whole
-        free = (self.flags & TIME_INDEPENDENT) == 0
-        mixed = 0.5 * slope + 0.5 * (self.left * self.coming + self.right * self.passed) / whole
-        pull = np.where(np.abs(bias) > 0.01, np.abs(bias) / 100, 0.0)
-        target = np.where(bias > 0, self.right, self.left)
-        away = target - mixed
-        sign = np.where(np.where(np.abs(away) > 1e-5, away, bias) > 0, 1.0, -1.0)
-        mixed = mixed * (1 - pull) + target * pull + 40 * sign * np.maximum(pull - 5, 0) ** 2
-        slope = np.where(free, mixed, slope)
-
-        sign = np.where(slope >= 0, 1.0, -1.0)
-        limit = np.minimum(
-            np.divide(sign * self.left, self.weight_left, out=np.zeros_like(slope), where=self.weight_left > 0),
-            np.divide(sign * self.right, self.weight_right, out=np.zeros_like(slope), where=self.weight_right > 0),
-        )
-        limited = sign * np.minimum(np.abs(slope), np.maximum(limit, 0))
-        slope = np.where(self.flags & CLAMP_PROGRESSIVE, limited, slope)
-        is_level = ((self.flags & CLAMP) != 0) & ((self.left == 0) | (self.right == 0))
-        return np.where(is_level, 0.0, slope)
-
-    def _outer(self, slope: Floats, bias: Floats) -> Floats:
-        """Slopes at first and last keys."""
-        free = (self.flags & TIME_INDEPENDENT) == 0
-        extra = 40 * np.where(bias > 0, 1.0, -1.0) * np.maximum(np.abs(bias) / 100 - 5, 0) ** 2
-        is_level = (self.flags & CLAMP_PROGRESSIVE) != 0
-        is_level |= ((self.flags & CLAMP) != 0) & (slope == 0)
-        return np.where(is_level, 0.0, slope + np.where(free, extra, 0.0))
-
-
-def _tcb(
-    tension: Floats, continuity: Floats, bias: Floats, passed: Floats, coming: Floats, left: Floats, right: Floats
-) -> Floats:
-    """Slopes before and after (2, K) of keys with tension, continuity and bias (Kochanek and Bartels 1984)."""
-    factor = np.where((passed > 0) & (coming > 0), 0.5, 1.0) * (1 - tension)
-    before = (1 + bias) * (1 - continuity) * left + (1 - bias) * (1 + continuity) * right
-    after = (1 + bias) * (1 + continuity) * left + (1 - bias) * (1 - continuity) * right
-    slopes: Floats = factor * np.stack([before, after])
-    return slopes
 
 
 def _bezier_parameter(first: Floats, second: Floats, share: Floats) -> Floats:

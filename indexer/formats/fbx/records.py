@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +47,7 @@ MAX_DEPTH = 40
 MAX_RECORDS = 2_000_000
 MAX_UNPACKED = 400 << 20
 
-_KINDS = {"f": "<f4", "d": "<f8", "l": "<i8", "i": "<i4", "b": "?", "c": "u1"}
+_DTYPES = {kind: np.dtype(name) for kind, name in zip("fdlibc", ("<f4", "<f8", "<i8", "<i4", "?", "u1"), strict=True)}
 
 
 class DamagedFbx(ValueError):
@@ -100,46 +100,49 @@ class Record:
         return float(value) if isinstance(value, (int, float)) and abs(value) < 1e300 else default
 
 
-class Unpacker:
-    """Unpacks arrays: each of equal content once, and no more in all than memory bears."""
+class Room:
+    """How many bytes the arrays of a file may still take."""
 
     def __init__(self) -> None:
         self._left = MAX_UNPACKED
-        self._known: dict[tuple[str, bytes], NDArray[Any]] = {}
 
-    def unpack(self, packed: PackedArray) -> NDArray[Any]:
-        """The array, read-only."""
-        key = packed.kind, packed.data
-        if key not in self._known:
-            self._known[key] = self._array(packed)
-        return self._known[key]
+    def take(self, size: int) -> None:
+        """Take some.
 
-    def _array(self, packed: PackedArray) -> NDArray[Any]:
-        dtype = np.dtype(_KINDS[packed.kind])
-        size = packed.length * dtype.itemsize
-        data = packed.data
-        if packed.is_packed:
-            self._left -= size
-            if self._left < 0:
-                raise DamagedFbx(f"its arrays take more than {MAX_UNPACKED >> 20} MB")
+        Raises
+        ------
+        DamagedFbx
+            Where so many are not left.
+        """
+        self._left -= size
+        if self._left < 0:
+            raise DamagedFbx(f"its arrays take more than {MAX_UNPACKED >> 20} MB")
+
+
+class PackedArray:
+    """An array as it stands in a binary file."""
+
+    __slots__ = ("_data", "_is_packed", "_kind", "_length", "_numbers", "_room")
+
+    def __init__(self, kind: str, length: int, is_packed: bool, data: bytes, room: Room) -> None:
+        self._kind, self._length, self._is_packed, self._data, self._room = kind, length, is_packed, data, room
+        self._numbers: NDArray[Any] | None = None
+
+    def unpack(self) -> NDArray[Any]:
+        """Its numbers, read-only."""
+        if self._numbers is None:
+            self._numbers = self._unpacked()
+        return self._numbers
+
+    def _unpacked(self) -> NDArray[Any]:
+        dtype = _DTYPES[self._kind]
+        size, data = self._length * dtype.itemsize, self._data
+        if self._is_packed:
+            self._room.take(size)
             try:
                 data = zlib.decompressobj().decompress(data, size + 1)
             except zlib.error as error:
                 raise DamagedFbx(f"an array cannot be unpacked: {error}") from None
         if len(data) != size:
-            raise DamagedFbx(f"an array of {packed.length} numbers holds others")
+            raise DamagedFbx(f"an array of {self._length} numbers holds others")
         return np.frombuffer(data, dtype)
-
-
-class PackedArray(NamedTuple):
-    """An array as it stands in a binary file."""
-
-    kind: str
-    length: int
-    is_packed: bool
-    data: bytes
-    unpacker: Unpacker
-
-    def unpack(self) -> NDArray[Any]:
-        """Its numbers, read-only; arrays of equal content are one object."""
-        return self.unpacker.unpack(self)
