@@ -135,8 +135,8 @@ class Trials:
             process.kill(group=rng.random() < 0.5)
             if left := process.left():
                 return f"{left} processes outlive the one that was killed"
-            if "repair" not in name and (fault := _fault(folder)):
-                return f"after a kill: {fault}"
+            if "repair" not in name and (wrong := fault(folder)):
+                return f"after a kill: {wrong}"
         if reader is not None:
             if reader.failed():
                 return f"the reader fails: {reader.error()}"
@@ -155,7 +155,7 @@ class Trials:
         return folder
 
 
-def _fault(folder: Path) -> str:
+def fault(folder: Path) -> str:
     """What is wrong with a library between two runs; it may not be there yet, or only begun."""
     try:
         faults = check(folder / FOLDER).faults

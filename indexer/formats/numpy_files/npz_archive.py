@@ -84,4 +84,4 @@ def opened(path: str | PathLike[str], data: bytes) -> Iterator[NpzArchive]:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             yield NpzArchive(path, archive)
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, ValueError) as error:
-        raise UnreadableMotion(path, f"the archive is damaged: {error}") from None
+        raise UnreadableMotion(path, f"the archive is damaged: {str(error)[:200]}") from None
