@@ -6,7 +6,7 @@ import os
 import shutil
 import sqlite3
 from collections.abc import Iterator
-from contextlib import closing, suppress
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -49,9 +49,10 @@ def _salvage(folder: Path) -> None:
             source.execute("PRAGMA wal_checkpoint(TRUNCATE)")  # so that the log can be taken away before the file
         with closing(schema.connect(fresh, writable=True)) as target:
             schema.migrate(target)
-            with suppress(sqlite3.DatabaseError, LibraryError), closing(schema.connect(old, writable=False)) as source:
-                for table in _TABLES:
-                    _copy(source, target, table)
+            with _opened(old) as source:
+                if source is not None:
+                    for table in _TABLES:
+                        _copy(source, target, table)
             _make_consistent(target)
             target.execute("PRAGMA wal_checkpoint(TRUNCATE)")
         for suffix in ("-wal", "-shm"):
@@ -63,6 +64,20 @@ def _salvage(folder: Path) -> None:
         _remove(fresh)
     except OSError as error:
         raise LibraryError(f"{folder}: cannot be written ({error.strerror})") from error
+    except sqlite3.Error as error:
+        raise LibraryError(f"{fresh}: cannot be written ({error}); make room, and repair again") from error
+
+
+@contextmanager
+def _opened(file: Path) -> Iterator[sqlite3.Connection | None]:
+    """A database to read from, None where it cannot be opened."""
+    try:
+        connection = schema.connect(file, writable=False)
+    except (sqlite3.DatabaseError, LibraryError):
+        yield None
+        return
+    with closing(connection):
+        yield connection
 
 
 def _remove(file: Path) -> None:
@@ -80,11 +95,17 @@ def _copy(source: sqlite3.Connection, target: sqlite3.Connection, table: str) ->
     insert = f"INSERT OR REPLACE INTO {table}(rowid, {named}) VALUES ({', '.join('?' * (len(columns) + 1))})"
     target.execute("PRAGMA foreign_keys=OFF")
     for order in ("ASC", "DESC"):
-        with schema.transaction(target), suppress(sqlite3.DatabaseError):
-            for row in _rows(source, f"SELECT rowid, {named} FROM {table}", order):
-                with suppress(sqlite3.DatabaseError):  # a row that damage has made unlike any that was written
+        with schema.transaction(target):
+            rows = _rows(source, f"SELECT rowid, {named} FROM {table}", order)
+            while True:
+                try:
+                    row = next(rows, None)
+                except sqlite3.DatabaseError:
+                    break
+                if row is None:
+                    return
+                with suppress(sqlite3.IntegrityError):  # a row that damage has made unlike any that was written
                     target.execute(insert, row)
-            return
 
 
 def _rows(source: sqlite3.Connection, query: str, order: str) -> Iterator[Any]:

@@ -254,6 +254,8 @@ def cause(path: Path, error: sqlite3.Error) -> LibraryError:
         return LibraryError(f"{path}: permission denied; ask its owner to let you read it")
     if "locked" in str(error):
         return LibraryLocked(f"{path}: locked by another process; try again when it has ended")
+    if "full" in str(error) or "I/O error" in str(error):
+        return LibraryError(f"{path}: cannot be read now ({error}); make room, check the disk, and try again")
     kind = LibraryError if isinstance(error, sqlite3.OperationalError) else LibraryDamaged
     return kind(f"{path}: cannot be opened as a library ({error}); if it is damaged, delete its folder and index again")
 

@@ -31,7 +31,7 @@ from tests.robustness import kills
 from tests.robustness.content import content, differences, make
 
 ERRORS = {"ENOSPC": errno.ENOSPC, "EIO": errno.EIO}
-_OUT = "out"
+_OUT = ".out"  # not to be indexed
 
 
 def search(folder: Path) -> None:
@@ -47,7 +47,7 @@ def export(folder: Path) -> None:
 
 def plot(folder: Path) -> None:
     with Library.open(folder, bundle=kills.OLD) as library:
-        library.render("take 1.npy", folder / _OUT / "strip.png", size=60, overwrite=True)
+        library.render("take 1.npy", folder / _OUT / "strip.png", size=64, overwrite=True)
 
 
 def _without_vectors(folder: Path) -> None:
