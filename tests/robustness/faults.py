@@ -24,7 +24,8 @@ from typing import Any, NamedTuple
 from encoders.errors import LibraryError, MotionSeekError
 from indexer.ingest import indexing
 from indexer.maintenance.check import check
-from indexer.store.stored_library import FOLDER, StoredLibrary
+from indexer.store.library_reader import FOLDER
+from indexer.store.stored_library import StoredLibrary
 from search.library import Library
 from tests.conftest import ROOT
 from tests.robustness import kills

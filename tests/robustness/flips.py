@@ -8,7 +8,7 @@ from pathlib import Path
 
 from indexer.maintenance.check import check
 from indexer.maintenance.repair import repair
-from indexer.store.stored_library import FILE, FOLDER
+from indexer.store.library_reader import FILE, FOLDER
 from tests.indexer.folders import SmallBundle
 from tests.robustness.content import content, differences, make
 

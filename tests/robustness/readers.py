@@ -19,7 +19,7 @@ from typing import Any
 from encoders.bundle.bundle import Bundle
 from indexer.ingest import indexing
 from indexer.maintenance.check import check
-from indexer.store.stored_library import FOLDER
+from indexer.store.library_reader import FOLDER
 from search.library import Library
 from tests.conftest import ROOT
 from tests.indexer.folders import write
