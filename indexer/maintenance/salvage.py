@@ -12,6 +12,7 @@ from typing import Any
 
 from encoders.errors import LibraryError
 from indexer.store import digests, schema
+from indexer.store.files import ARRAYS_ROOT, INDEXED
 from indexer.store.library_reader import FILE
 from indexer.store.lock import write_lock
 
@@ -133,5 +134,12 @@ def _make_consistent(target: sqlite3.Connection) -> None:
             "INSERT OR REPLACE INTO generations SELECT value, random() FROM settings WHERE key = 'generation'"
         )
         target.execute("INSERT OR REPLACE INTO settings VALUES (?, 1)", (UNFINISHED,))
+        # which clips and captions of a file are lost is not known: all files are to be read again
+        target.execute("UPDATE side_files SET hash = '', size = -1")
+        target.execute(
+            "UPDATE files SET hash = '', size = -1 WHERE state = ? "
+            "AND root_id NOT IN (SELECT id FROM roots WHERE path = ?)",
+            (INDEXED, ARRAYS_ROOT),
+        )
         for table in ("clips", "texts"):
             target.execute(f"INSERT INTO {table}_fts({table}_fts) VALUES ('rebuild')")

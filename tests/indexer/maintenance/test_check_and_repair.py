@@ -70,6 +70,7 @@ DAMAGES = {
     "poses": ("UPDATE poses SET data = zeroblob(50) WHERE clip_id = 4 AND chunk = 0", "its stored poses"),
     "missing poses": ("DELETE FROM poses WHERE clip_id = 4 AND chunk = 1", "its stored poses"),
     "a clip": ("UPDATE clips SET frames = frames - 1, duration = 1 WHERE id = 2", "its stored poses"),
+    "a missing clip": ("DELETE FROM clips WHERE id = 4", "belongs to a row of clips that is not there"),
     "a path": ("UPDATE files SET path = 'take X.npy' WHERE id = 2", "files"),
     "a text": ("UPDATE texts SET text = 'a person talks' WHERE text = 'a person walks'", "texts"),
     "a text's vector": ("UPDATE text_embeddings SET vector = zeroblob(32)", "text_embeddings"),
