@@ -15,7 +15,8 @@ from indexer.ingest.indexing import index
 from indexer.ingest.load import load_motion
 from indexer.store import digests, schema
 from indexer.store.captions import Stated, stated_option
-from indexer.store.stored_library import FILE, FOLDER, StoredLibrary
+from indexer.store.library_reader import FILE, FOLDER
+from indexer.store.stored_library import StoredLibrary
 from indexer.take import UP_AXES
 from search.library import Library
 from search.references import source_of
