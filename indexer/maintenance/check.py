@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sqlite3
 from collections.abc import Iterable, Iterator
 from contextlib import closing
@@ -110,15 +111,24 @@ def _check_structure(connection: sqlite3.Connection, found: Findings) -> None:
     (version,) = connection.execute("PRAGMA user_version").fetchone()
     with closing(sqlite3.connect(":memory:", isolation_level=None)) as fresh:
         schema.migrate(fresh)
-        for table in digests.COVERED if version == len(schema.MIGRATIONS) else ():
+        is_current = version == len(schema.MIGRATIONS)
+        for table in digests.COVERED if is_current else ():
             if _columns(connection, table) != _columns(fresh, table):
                 _unreadable(found, f"the columns of {table} are not those that were made")
+        if is_current and _triggers(connection) != _triggers(fresh):
+            _unreadable(found, "its triggers are not those that were made")
     for table, rowid, parent, _ in connection.execute("PRAGMA foreign_key_check").fetchall():
         _unreadable(found, f"row {rowid} of {table} belongs to a row of {parent} that is not there")
 
 
 def _columns(connection: sqlite3.Connection, table: str) -> set[str]:
     return {row[1] for row in connection.execute(f"PRAGMA main.table_info({table})")}
+
+
+def _triggers(connection: sqlite3.Connection) -> dict[str, str]:
+    """The triggers by name, each without spaces and quotes, which versions of sqlite-utils write differently."""
+    rows = connection.execute("SELECT name, sql FROM main.sqlite_master WHERE type = 'trigger'")
+    return {name: re.sub(r"[\s\"\[\]`]", "", sql) for name, sql in rows}
 
 
 def _check_finished(connection: sqlite3.Connection, found: Findings) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sqlite3
 from collections.abc import Iterable
 from itertools import islice
 from pathlib import Path
@@ -13,7 +14,7 @@ from indexer.ingest import indexing
 from indexer.ingest.encode import encode, encode_captions, use_model
 from indexer.ingest.indexing import Progress
 from indexer.maintenance.check import Fault, Findings, check
-from indexer.maintenance.salvage import UNFINISHED, salvage
+from indexer.maintenance.salvage import UNFINISHED, rebuild_text_search, salvage
 from indexer.store import poses
 from indexer.store.files import ARRAYS_ROOT
 from indexer.store.library_reader import FOLDER
@@ -40,15 +41,12 @@ def repair(folder: Path, bundle: Encoder, *, progress: Progress | None = None) -
     if found.database:
         salvage(folder)
         found = check(folder)
-    read_again = found.unfinished
-    if found.faults:
-        with writing(folder) as writer:
-            if "models" in found.rows:
-                _take_model(writer, found, bundle)
-            model_id = use_model(writer, bundle)
-            read_again |= _mark(writer, found)
-            _encode_again(writer, bundle, model_id, sorted(found.vectors - found.poses))
-            encode_captions(writer, bundle, model_id)
+    try:
+        read_again = _mend(folder, found, bundle)
+    except sqlite3.Error:  # the database can be read, but not written: its schema is damaged
+        salvage(folder)
+        found = check(folder)
+        read_again = _mend(folder, found, bundle)
     if found.indexes:
         shutil.rmtree(folder / "vectors", ignore_errors=True)
     left = []
@@ -61,6 +59,22 @@ def repair(folder: Path, bundle: Encoder, *, progress: Progress | None = None) -
     with StoredLibrary.open(folder, bundle=bundle) as library:
         library.prepare()
     return left + check(folder).faults
+
+
+def _mend(folder: Path, found: Findings, bundle: Encoder) -> bool:
+    """Mend what lies in the database; whether files are to be read again."""
+    read_again = found.unfinished
+    with writing(folder) as writer:
+        with writer.batch():
+            rebuild_text_search(writer.connection)  # damage in it shows only in writing
+        if found.faults:
+            if "models" in found.rows:
+                _take_model(writer, found, bundle)
+            model_id = use_model(writer, bundle)
+            read_again |= _mark(writer, found)
+            _encode_again(writer, bundle, model_id, sorted(found.vectors - found.poses))
+            encode_captions(writer, bundle, model_id)
+    return read_again
 
 
 def _lost_roots(folder: Path) -> list[Path]:

@@ -141,5 +141,10 @@ def _make_consistent(target: sqlite3.Connection) -> None:
             "AND root_id NOT IN (SELECT id FROM roots WHERE path = ?)",
             (INDEXED, ARRAYS_ROOT),
         )
-        for table in ("clips", "texts"):
-            target.execute(f"INSERT INTO {table}_fts({table}_fts) VALUES ('rebuild')")
+        rebuild_text_search(target)
+
+
+def rebuild_text_search(connection: sqlite3.Connection) -> None:
+    """Make the full-text tables of names and captions again from the tables that they follow."""
+    for table in ("clips", "texts"):
+        connection.execute(f"INSERT INTO {table}_fts({table}_fts) VALUES ('rebuild')")

@@ -37,12 +37,12 @@ def check(place: str | None, repair: bool, sources: bool, folder: str | None, as
     library = options.library_of(place, folder)
     found = checks.check(library, sources=sources)
     faults = found.faults
-    if repair and faults:
+    if repair:
         from encoders.bundle.bundle import Bundle
 
         with progress_bar() as progress:
             faults = mend(library, Bundle.load(), progress=progress)
-        faults += checks.check(library, sources=True).faults if sources and not faults else []
+        faults += checks.check(library, sources=True).faults if sources else []
     if as_json:
         terminal.document({"found": _records(found.faults), "left": _records(faults), "unchecked": found.unchecked})
         return int(bool(faults))

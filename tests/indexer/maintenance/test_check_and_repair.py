@@ -90,6 +90,20 @@ def test_what_was_not_written_is_named_and_made_again(folder, statement, named):
     assert answers(folder) == expected
 
 
+def test_a_trigger_of_other_text_is_named_and_made_again(folder):
+    expected = answers(folder)
+    with sqlite3.connect(folder / FOLDER / FILE) as connection:
+        connection.execute("PRAGMA writable_schema = ON")
+        texts = ("'delete'", "'dulete'")
+        connection.execute("UPDATE sqlite_master SET sql = replace(sql, ?, ?) WHERE name = 'clips_au'", texts)
+    connection.close()
+    assert any("triggers" in fault.problem for fault in check(folder / FOLDER).faults)
+    assert repair(folder / FOLDER, SmallBundle()) == []
+    assert answers(folder) == expected
+    write(folder / "take 1.npy", 55)
+    assert indexing.index(folder, bundle=SmallBundle(), jobs=1).indexed == 1
+
+
 def test_a_clip_whose_poses_cannot_be_read_again_is_named(folder):
     with StoredLibrary.open(folder) as library:
         clip = library.find("take 5.npy").id
