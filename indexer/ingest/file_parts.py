@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from encoders.errors import UnreadableMotion
 from indexer.formats.reading import read_takes, split_name
-from indexer.part_names import is_meant
+from indexer.part_names import is_meant, with_part
 from indexer.rigs.figures import figures
 from indexer.take import Take
 
@@ -47,6 +47,6 @@ def read_part(path: str | PathLike[str], *, fps: float | None = None) -> FilePar
     for part, take in parts:
         if is_meant(name, part, take.name):
             return FilePart(file, take, len(parts) == 1)
-    names = ", ".join(f"{file.name}#{part}" for part, _ in parts if part)
+    names = ", ".join(with_part(file.name, part) for part, _ in parts) if len(parts) > 1 else ""
     what = f"no take {name!r}" if name else "several takes"
     raise UnreadableMotion(file, f"it holds {what}" + (f"; name one of them: {names}" if names else ""))
