@@ -17,7 +17,7 @@ from indexer.rigs.human import check_human
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import SIDES, RigMap, map_rig
 from indexer.rigs.orientation import orientation
-from indexer.rigs.own_rig import as_own_rig
+from indexer.rigs.own_rig import as_own_rig, own_body
 from indexer.rigs.rate_plausibility import rate_warnings
 from indexer.rigs.rebuild import ARM, LEG, build, rebuild
 from indexer.rigs.rest_pose import rest_pose_correction
@@ -97,8 +97,9 @@ def retarget_with_reading(
     up = up_axis(landmarks, rest, take.up, is_certain=take.up_is_certain)
     matrix = orientation(up.axis, landmarks, rest)
     scale = LEG_LENGTH / landmarks.leg_length
-    if take.names == JOINTS and not joint_map:
-        joints = rebuild(interpolate(take.positions[posing:], at) @ matrix.T, scale)
+    body = None if joint_map else own_body(take, rig)
+    if body is not None:
+        joints = rebuild(interpolate(take.positions[posing:, body], at) @ matrix.T, scale)
     else:
         landmarks, rest = landmarks.transformed(matrix), rest.transformed(matrix)
         joints = build(landmarks, scale, rest_pose_correction(landmarks, rest))
