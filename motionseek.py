@@ -39,8 +39,9 @@ from encoders.errors import (
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.ingest.arrays import NewClip
-from indexer.ingest.indexing import Summary, index
+from indexer.ingest.indexing import index
 from indexer.ingest.load import load_motion as load
+from indexer.ingest.storing import Summary
 from indexer.store.clips import Caption, Clip
 from search.hits import Hit, Hits, Step
 from search.library import Library

@@ -13,8 +13,8 @@ from encoders.errors import BundleError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from encoders.skeleton import BONE_LENGTHS, PARENTS, RAW_OFFSETS
-from indexer.store import captions
-from indexer.store.clip_vectors import ClipVectors
+from indexer.store import captions, models
+from indexer.store.models import ClipVectors
 from indexer.store.writer import Writer
 
 _TEXTS_A_BATCH = 512
@@ -25,7 +25,7 @@ Captions = list[tuple[int, str]]
 
 
 def use_model(writer: Writer, encoder: Encoder) -> int:
-    """The id of a model in the library; see `Writer.use_model`.
+    """The id of a model in the library; see `models.use`.
 
     One that is new there is tried first; see `try_model`.
 
@@ -36,10 +36,10 @@ def use_model(writer: Writer, encoder: Encoder) -> int:
     BundleMismatch
         If the library holds the vectors of another model.
     """
-    writer.check_model(encoder)
+    models.check(writer.connection, writer.folder, encoder)
     try_model(writer, encoder)
     with writer.batch():
-        return writer.use_model(encoder)
+        return models.use(writer.connection, writer.folder, encoder)
 
 
 def try_model(writer: Writer, encoder: Encoder) -> None:
@@ -50,7 +50,7 @@ def try_model(writer: Writer, encoder: Encoder) -> None:
     BundleError
         If its vectors are not unit vectors of its `latent_size`.
     """
-    if not writer.knows(encoder):
+    if not models.is_known(writer.connection, encoder):
         encode(encoder, [_trial()])
         _encode_texts(encoder, ["a person stands"])
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
 from os import PathLike
 from pathlib import Path
 
 from encoders.arguments import checked_flag, checked_path
-from encoders.errors import ArgumentError, LibraryError, UnreadableMotion
+from encoders.errors import ArgumentError, LibraryError
 from encoders.protocol import Encoder
 from indexer.argument_checks import (
     checked_encoder,
@@ -20,82 +19,20 @@ from indexer.argument_checks import (
     checked_up,
 )
 from indexer.ingest import side_files
-from indexer.ingest.changes import Changes, RequestedOptions, compare, looked_at_again, record
-from indexer.ingest.encode import encode, encode_captions, use_model
-from indexer.ingest.pool import Read, Request, read_all
+from indexer.ingest.changes import Changes, RequestedOptions, compare, record
+from indexer.ingest.encode import encode_captions, use_model
 from indexer.ingest.published_folders import advice, published
 from indexer.ingest.reencode import reencode
 from indexer.ingest.scan import walk
 from indexer.ingest.side_files import SideFileChanges
-from indexer.part_names import with_part
+from indexer.ingest.storing import TRIED_AGAIN, Progress, Summary, Task, read_and_store
 from indexer.store.captions import remove_side_files, stated_options
-from indexer.store.files import INDEXED, FileVersion
+from indexer.store.files import INDEXED
 from indexer.store.library_reader import FILE, FOLDER, library_folder
 from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
 
-#: Called with the number of files done, the number to do, and the path of the last one.
-Progress = Callable[[int, int, str], None]
-
-#: Stored frames (20 a second) and files in a batch; a long take is a batch of its own.
-_BATCH_FRAMES, _BATCH_FILES = 12_000, 64
-#: How often a file is read in a run that changes whenever it is.
-_READINGS = 3
 _NO_FOLDER = "no such folder, so nothing was changed; is its drive connected?"
-_TRIED_AGAIN = "; it is tried again at the next run"
-
-
-@dataclass
-class Summary:
-    """What a run did.
-
-    Attributes
-    ----------
-    indexed, unchanged, moved, gone : int
-        Files: read and encoded, unchanged, moved, vanished.
-    failed : list of (path, reason)
-        Files tried in this run that cannot be read.
-    seconds : float
-        How long it took.
-    failed_before : int
-        Unchanged files that could not be read when they were last tried.
-    warnings : list of str
-        What was skipped, and why.
-    reading_warnings : list of (path, warning)
-        What was left out, mended or taken for granted in the clips that were read.
-    interrupted : bool
-        Whether Ctrl-C ended the run early; what was committed is kept.
-    """
-
-    indexed: int = 0
-    unchanged: int = 0
-    moved: int = 0
-    gone: int = 0
-    failed: list[tuple[str, str]] = field(default_factory=list)
-    seconds: float = 0.0
-    failed_before: int = 0
-    warnings: list[str] = field(default_factory=list)
-    reading_warnings: list[tuple[str, str]] = field(default_factory=list)
-    interrupted: bool = False
-
-
-@dataclass(frozen=True)
-class _Task:
-    """A file to be read: its root, and what the library will record of it."""
-
-    root: Path
-    source: FileVersion
-
-    @property
-    def path(self) -> Path:
-        return self.root / self.source.file.path
-
-    def has_changed(self) -> bool:
-        """Whether the file was written since its content was looked at, or has vanished."""
-        try:
-            return self.source.file.look(self.root) != self.source.seen
-        except OSError:
-            return True
 
 
 def index(
@@ -175,7 +112,7 @@ def index(
             keys = {writer.root(folder): folder for folder in folders if os.path.isdir(folder)}
         summary.failed += [(str(folder), _NO_FOLDER) for folder in folders if folder not in keys.values()]
         beside: dict[int, SideFileChanges] = {}
-        tasks: list[_Task] = []
+        tasks: list[Task] = []
         for key, folder in keys.items():
             try:
                 beside[key], changes = _update(writer, folder, key, requested, summary)
@@ -184,13 +121,8 @@ def index(
                     raise
                 summary.failed.append((str(folder), str(error).removeprefix(f"{folder}: ")))
                 continue
-            tasks += [_Task(folder, source) for source in changes.read]
-        for _ in range(_READINGS):
-            changed = _read_and_encode(writer, bundle, model_id, tasks, jobs or os.cpu_count() or 1, summary, progress)
-            tasks = [] if summary.interrupted else _looked_at_again(changed, summary)
-            if not tasks:
-                break
-        summary.failed += [(str(task.path), f"it changes while it is read{_TRIED_AGAIN}") for task in tasks]
+            tasks += [Task(folder, source) for source in changes.read]
+        read_and_store(writer, bundle, model_id, tasks, jobs or os.cpu_count() or 1, summary, progress)
         for key in beside:
             summary.warnings += side_files.unmatched(writer.connection, keys[key], beside[key])
         encode_captions(writer, bundle, model_id)
@@ -237,28 +169,6 @@ def _paths(roots: str | PathLike[str] | Iterable[str | PathLike[str]]) -> list[P
     return given
 
 
-def _request(task: _Task) -> Request[_Task]:
-    options = task.source.options
-    return Request(task, task.path, options.fps, dict(options.joint_map) or None, options.up)
-
-
-def _looked_at_again(tasks: list[_Task], summary: Summary) -> list[_Task]:
-    """Files that changed while they were read, as they are now."""
-    found = []
-    for task in tasks:
-        try:
-            found.append(_Task(task.root, looked_at_again(task.root, task.source)))
-        except FileNotFoundError:
-            continue  # the next run will find it gone
-        except (OSError, UnreadableMotion) as error:
-            summary.failed.append((str(task.path), f"{_reason(error)}{_TRIED_AGAIN}"))
-    return found
-
-
-def _reason(error: OSError | UnreadableMotion) -> str:
-    return error.reason if isinstance(error, UnreadableMotion) else (error.strerror or str(error)).lower()
-
-
 def _update(
     writer: Writer, root: Path, root_id: int, requested: RequestedOptions, summary: Summary
 ) -> tuple[SideFileChanges, Changes]:
@@ -295,71 +205,6 @@ def _update(
     summary.moved += len(changes.moved)
     summary.gone += sum(known.state == INDEXED for known in changes.gone)
     summary.failed += [(str(root / source.file.path), reason) for source, reason in changes.refused]
-    summary.failed += scan.failed + [(str(root / path), f"{reason}{_TRIED_AGAIN}") for path, reason in changes.unread]
+    summary.failed += scan.failed + [(str(root / path), f"{reason}{TRIED_AGAIN}") for path, reason in changes.unread]
     summary.warnings += [*scan.warnings, *filter(None, [advice(root)])]
     return beside, changes
-
-
-def _read_and_encode(
-    writer: Writer,
-    bundle: Encoder,
-    model_id: int,
-    tasks: list[_Task],
-    jobs: int,
-    summary: Summary,
-    progress: Progress | None,
-) -> list[_Task]:
-    """Read and store files; those that changed meanwhile are not stored but returned."""
-    changed: list[_Task] = []
-    batch: list[tuple[_Task, Read]] = []
-    done = 0
-
-    def commit() -> None:
-        nonlocal done
-        if not batch:
-            return
-        changed.extend(_commit(writer, bundle, model_id, batch, summary))
-        done += len(batch)
-        if progress is not None:
-            progress(done, len(tasks), str(batch[-1][0].path))
-        batch.clear()
-
-    if progress is not None:
-        progress(0, len(tasks), "")
-    try:
-        for task, read in read_all(map(_request, tasks), min(jobs, max(len(tasks), 1))):
-            batch.append((task, read))
-            if len(batch) >= _BATCH_FILES or sum(read.frames for _, read in batch) >= _BATCH_FRAMES:
-                commit()
-    except KeyboardInterrupt:
-        summary.interrupted = True
-    commit()
-    return changed
-
-
-def _commit(
-    writer: Writer, bundle: Encoder, model_id: int, batch: list[tuple[_Task, Read]], summary: Summary
-) -> list[_Task]:
-    """Encode what was read and store it, with what could not be read, as one transaction.
-
-    A file that changed since its content was first looked at is not stored but returned: what was read may be neither
-    the old nor the new. Nothing is recorded of one that may be read another time.
-    """
-    changed = [task for task, read in batch if not read.passes and task.has_changed()]
-    batch = [(task, read) for task, read in batch if task not in changed]
-    encoded = iter(encode(bundle, [clip.motion for _, read in batch for clip in read.clips]))
-    with writer.batch():
-        for task, read in batch:
-            if read.clips:
-                writer.add(task.source, list(zip(read.clips, encoded, strict=False)), model_id)
-            elif not read.passes:
-                writer.fail(task.source, read.reason)
-    for task, read in batch:
-        if not read.clips:
-            summary.failed.append((str(task.path), f"{read.reason}{_TRIED_AGAIN if read.passes else ''}"))
-            continue
-        summary.indexed += 1
-        for clip in read.clips:
-            name = with_part(str(task.path), clip.part)
-            summary.reading_warnings += [(name, warning) for warning in clip.reading.warnings]
-    return changed

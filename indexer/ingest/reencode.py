@@ -8,7 +8,7 @@ from os import PathLike
 from encoders.errors import LibraryDamaged
 from encoders.protocol import Encoder
 from indexer.ingest.encode import encode, encode_captions, try_model
-from indexer.store import poses
+from indexer.store import models, poses
 from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
 
@@ -56,11 +56,11 @@ def reencode(
     with writing(folder) as writer:
         try_model(writer, bundle)
         with writer.batch():
-            model_id = writer.begin_rebuild(bundle)
+            model_id = models.begin_rebuild(writer.connection, folder, bundle)
         failed = _encode_clips(writer, bundle, model_id, progress)
         encode_captions(writer, bundle, model_id)
         with writer.batch():
-            writer.finish_rebuild(model_id, bundle)
+            models.finish_rebuild(writer.connection, model_id, bundle)
     with StoredLibrary.open(folder, bundle=bundle) as made:
         made.prepare()
     return failed
@@ -88,7 +88,7 @@ def _encode_clips(
         encoded = encode(bundle, list(motions.values())) if motions else []
         with writer.batch():
             for clip_id, vectors in zip(motions, encoded, strict=True):
-                writer.put_vectors(clip_id, vectors, model_id)
+                models.insert_vectors(writer.connection, clip_id, model_id, vectors)
         if progress is not None:
             progress(total - len(left) + first + len(batch), total, batch[-1][1])
     return failed

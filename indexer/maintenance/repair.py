@@ -12,10 +12,10 @@ from encoders.errors import LibraryError
 from encoders.protocol import Encoder
 from indexer.ingest import indexing
 from indexer.ingest.encode import encode, encode_captions, use_model
-from indexer.ingest.indexing import Progress
+from indexer.ingest.storing import Progress
 from indexer.maintenance.check import Fault, Findings, check
 from indexer.maintenance.salvage import UNFINISHED, rebuild_text_search, salvage
-from indexer.store import poses
+from indexer.store import models, poses
 from indexer.store.files import ARRAYS_ROOT
 from indexer.store.library_reader import FOLDER
 from indexer.store.stored_library import StoredLibrary
@@ -138,7 +138,7 @@ def _encode_again(writer: Writer, bundle: Encoder, model_id: int, ids: Iterable[
         encoded = encode(bundle, [poses.read(writer.connection, clip_id) for clip_id in batch])
         with writer.batch():
             for clip_id, vectors in zip(batch, encoded, strict=True):
-                writer.replace_vectors(clip_id, vectors, model_id)
+                models.replace_vectors(writer.connection, clip_id, model_id, vectors)
 
 
 def _list(ids: Iterable[int]) -> str:

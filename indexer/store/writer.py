@@ -12,16 +12,15 @@ from hashlib import blake2b
 from pathlib import Path
 from secrets import randbits
 
-from encoders.errors import BundleError, BundleMismatch, LibraryError, LibraryLocked
+from encoders.errors import LibraryError, LibraryLocked
 from encoders.motion import Motion
-from encoders.protocol import Encoder
 from indexer.part_names import with_part
 from indexer.read_motion import ReadMotion
-from indexer.store import captions, clip_vectors, digests, poses, schema
+from indexer.store import captions, digests, models, poses, schema
 from indexer.store.captions import CaptionRow
-from indexer.store.clip_vectors import ClipVectors
 from indexer.store.files import ARRAYS_ROOT, FAILED, GONE, INDEXED, ArrayItem, File, FileVersion, KnownFile
 from indexer.store.lock import write_lock
+from indexer.store.models import ClipVectors
 from indexer.store.read_options import ReadOptions
 
 #: A file that is not gone: there is an index of those alone, without which each file would cost a look at all others.
@@ -65,51 +64,6 @@ class Writer:
                 f"{self.folder}: another process has begun to write it, as its writer.lock was deleted or the file "
                 "system has no locks; what was committed is kept, run the command again when that is done"
             )
-
-    def check_model(self, bundle: Encoder, *, current: bool = True) -> None:
-        """Changes nothing.
-
-        Raises
-        ------
-        BundleMismatch
-            If `current` and the library holds the vectors of another model.
-        BundleError
-            If it holds vectors of another size of this one.
-        """
-        held = self.connection.execute(
-            "SELECT name, fingerprint FROM models WHERE id = (SELECT value FROM settings WHERE key = 'model')"
-        ).fetchone()
-        if current and held is not None and held[1] != bundle.fingerprint:
-            raise BundleMismatch(
-                f"{self.folder}: made with the model {held[0]} ({held[1][:12]}), not with {bundle.name} "
-                f"({bundle.fingerprint[:12]}); index it again with rebuild=True (--rebuild)"
-            )
-        size = self._model_size(bundle)
-        if size not in (None, bundle.latent_size):
-            raise BundleError(
-                f"{bundle.name}: latent_size={bundle.latent_size}, but {self.folder} has vectors of {size} numbers "
-                "of the same fingerprint; give another model another fingerprint"
-            )
-
-    def knows(self, bundle: Encoder) -> bool:
-        """Whether the library has used this model before."""
-        return self._model_size(bundle) is not None
-
-    def _model_size(self, bundle: Encoder) -> int | None:
-        row = self.connection.execute("SELECT size FROM models WHERE fingerprint = ?", (bundle.fingerprint,)).fetchone()
-        return None if row is None else int(row[0])
-
-    def use_model(self, bundle: Encoder) -> int:
-        """The id of the model whose vectors are searched. See `check_model` for errors."""
-        self.check_model(bundle)
-        db = self.connection
-        db.execute(
-            "INSERT OR IGNORE INTO models(fingerprint, name, size) VALUES (?, ?, ?)",
-            (bundle.fingerprint, bundle.name, bundle.latent_size),
-        )
-        model_id: int = db.execute("SELECT id FROM models WHERE fingerprint = ?", (bundle.fingerprint,)).fetchone()[0]
-        db.execute("INSERT OR IGNORE INTO settings(key, value) VALUES ('model', ?)", (model_id,))
-        return model_id
 
     def root(self, path: Path) -> int:
         """The id of an indexed folder, new or known.
@@ -249,17 +203,6 @@ class Writer:
         self.gone([file_id])
         return True
 
-    def put_vectors(self, clip_id: int, vectors: ClipVectors, model_id: int) -> None:
-        """Store a clip's vectors under a model."""
-        clip_vectors.insert(self.connection, clip_id, model_id, vectors)
-
-    def replace_vectors(self, clip_id: int, vectors: ClipVectors, model_id: int) -> None:
-        """Store a clip's vectors under a model in place of what there was."""
-        for table in ("embeddings", "windows"):
-            self.connection.execute(f"DELETE FROM {table} WHERE clip_id = ? AND model_id = ?", (clip_id, model_id))
-        self.put_vectors(clip_id, vectors, model_id)
-        self.connection.execute("UPDATE clips SET generation = ? WHERE id = ?", (self._generation, clip_id))
-
     def _put_content(self, clip_id: int, motion: Motion, vectors: ClipVectors, model_id: int) -> None:
         """Store poses and vectors in place of what there was."""
         db = self.connection
@@ -267,7 +210,7 @@ class Writer:
             db.execute(f"DELETE FROM {table} WHERE clip_id = ?", (clip_id,))
         chunks = [(clip_id, number, data) for number, data in enumerate(poses.pack_all(motion.joints))]
         db.executemany("INSERT INTO poses(clip_id, chunk, data) VALUES (?, ?, ?)", chunks)
-        self.put_vectors(clip_id, vectors, model_id)
+        models.insert_vectors(db, clip_id, model_id, vectors)
 
     def move(self, file_id: int, root_id: int, file: File) -> None:
         """A file has moved, or is back; its clips keep all that belongs to them."""
@@ -301,37 +244,6 @@ class Writer:
             (digest, FAILED),
         )
         return [(*row[:4], ReadOptions.of(row[4])) for row in rows]
-
-    def begin_rebuild(self, bundle: Encoder) -> int:
-        """The id under which vectors are kept that are to take the place of all others; the same until they do."""
-        self.check_model(bundle, current=False)
-        fingerprint = f"rebuild {bundle.fingerprint}"
-        self.connection.execute(
-            "INSERT OR IGNORE INTO models(fingerprint, name, size) VALUES (?, ?, ?)",
-            (fingerprint, bundle.name, bundle.latent_size),
-        )
-        row = self.connection.execute("SELECT id FROM models WHERE fingerprint = ?", (fingerprint,)).fetchone()
-        return int(row[0])
-
-    def finish_rebuild(self, model_id: int, bundle: Encoder) -> None:
-        """Search the vectors of `begin_rebuild` from now on; all others are removed.
-
-        A clip that has none keeps those that the same model has made before.
-        """
-        db = self.connection
-        same = db.execute("SELECT id FROM models WHERE fingerprint = ?", (bundle.fingerprint,)).fetchone()
-        for table, owner in (("embeddings", "clip_id"), ("windows", "clip_id"), ("text_embeddings", "text_id")):
-            if same is not None:
-                db.execute(
-                    f"UPDATE {table} SET model_id = ? WHERE model_id = ? "
-                    f"AND {owner} NOT IN (SELECT {owner} FROM {table} WHERE model_id = ?)",
-                    (model_id, same[0], model_id),
-                )
-            db.execute(f"DELETE FROM {table} WHERE model_id != ?", (model_id,))
-        db.execute("DELETE FROM models WHERE id != ?", (model_id,))
-        db.execute("UPDATE models SET fingerprint = ? WHERE id = ?", (bundle.fingerprint, model_id))
-        db.execute("INSERT OR REPLACE INTO settings(key, value) VALUES ('model', ?)", (model_id,))
-        db.execute("UPDATE clips SET generation = ?", (self._generation,))
 
     def _file(self, source: FileVersion) -> int:
         """The row of an indexed file, inserted or updated."""

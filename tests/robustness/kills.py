@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from encoders.errors import LibraryDamaged, LibraryNotFound
-from indexer.ingest import indexing, reencode
+from indexer.ingest import indexing, reencode, storing
 from indexer.maintenance.check import check
 from indexer.maintenance.repair import repair
 from indexer.store import schema
@@ -32,7 +32,7 @@ OLD, NEW = SmallBundle("small"), SmallBundle("other")
 
 
 def index(folder: Path) -> None:
-    indexing._BATCH_FILES = 2  # many commits, many instants between them
+    storing._BATCH_FILES = 2  # many commits, many instants between them
     indexing.index(folder, bundle=OLD, jobs=2)
 
 

@@ -17,7 +17,7 @@ import click
 from search.cli import options
 
 if TYPE_CHECKING:
-    from indexer.ingest.indexing import Summary
+    from indexer.ingest.storing import Summary
 
 
 #: Kinds of warnings about clips that are printed.

@@ -8,7 +8,7 @@ import pytest
 
 import motionseek
 from encoders.errors import LibraryDamaged, LibraryError
-from indexer.ingest import indexing
+from indexer.ingest import storing
 from indexer.ingest.indexing import index
 from indexer.store import schema
 from indexer.store.library_reader import FILE, FOLDER
@@ -49,7 +49,7 @@ def room(monkeypatch):
 
 @pytest.mark.parametrize("pages", [1, 5, 20, 44, 48, 56, 64, 72])
 def test_a_run_that_meets_a_full_disk_names_the_file_and_the_next_one_goes_on(root, bundle, room, monkeypatch, pages):
-    monkeypatch.setattr(indexing, "_BATCH_FILES", 2)
+    monkeypatch.setattr(storing, "_BATCH_FILES", 2)
     room(pages)
     with pytest.raises(LibraryError) as error:
         index(root, bundle=bundle, jobs=1)

@@ -13,7 +13,7 @@ import pytest
 
 from encoders.errors import ArgumentError, BundleError, BundleMismatch, LibraryError, LibraryLocked
 from encoders.motion import Motion
-from indexer.ingest import indexing, side_files
+from indexer.ingest import side_files, storing
 from indexer.ingest.indexing import index
 from indexer.ingest.pool import Read
 from indexer.ingest.reencode import reencode
@@ -22,6 +22,7 @@ from indexer.store import read_options
 from indexer.store.library_reader import FILE, FOLDER
 from indexer.store.lock import write_lock
 from indexer.store.stored_library import Caption, StoredLibrary
+from indexer.store.writer import Writer
 from tests.indexer.folders import SmallBundle, moving, write
 
 ROOT = Path(__file__).parents[3]
@@ -46,7 +47,7 @@ def read_here(monkeypatch):
             except Exception as error:
                 yield request.key, Read(reason=f"cannot be read: {error}")
 
-    monkeypatch.setattr(indexing, "read_all", read_all)
+    monkeypatch.setattr(storing, "read_all", read_all)
     return read
 
 
@@ -465,7 +466,7 @@ def test_readers_see_whole_batches_while_one_is_written(root, bundle, monkeypatc
     index(root, bundle=bundle)
     write(root / "new.npy", 40)
     seen = []
-    add = indexing.Writer.add
+    add = Writer.add
 
     def add_and_look(self, *arguments):
         number = add(self, *arguments)
@@ -473,7 +474,7 @@ def test_readers_see_whole_batches_while_one_is_written(root, bundle, monkeypatc
             seen.append(len(library))
         return number
 
-    monkeypatch.setattr(indexing.Writer, "add", add_and_look)
+    monkeypatch.setattr(Writer, "add", add_and_look)
     index(root, bundle=bundle)
     assert seen == [3]
     assert len(StoredLibrary.open(root)) == 4
@@ -482,7 +483,7 @@ def test_readers_see_whole_batches_while_one_is_written(root, bundle, monkeypatc
 def test_ctrl_c_keeps_what_is_done(root, bundle, monkeypatch):
     for seed in range(10):
         write(root / f"more{seed}.npy", seed)
-    read = indexing.read_all
+    read = storing.read_all
 
     def interrupted(requests, jobs):
         for number, item in enumerate(read(requests, jobs)):
@@ -490,11 +491,11 @@ def test_ctrl_c_keeps_what_is_done(root, bundle, monkeypatch):
                 raise KeyboardInterrupt
             yield item
 
-    monkeypatch.setattr(indexing, "read_all", interrupted)
+    monkeypatch.setattr(storing, "read_all", interrupted)
     summary = index(root, bundle=bundle)
     assert summary.interrupted
     assert summary.indexed == 5
-    monkeypatch.setattr(indexing, "read_all", read)
+    monkeypatch.setattr(storing, "read_all", read)
     assert counts(index(root, bundle=bundle)) == (8, 5, 0, 0, 0)
 
 
@@ -617,9 +618,9 @@ def test_files_are_read_again_when_reading_has_changed(root, bundle, read_here, 
 
 KILLED = """
     import sys
-    from indexer.ingest import indexing
+    from indexer.ingest import storing, indexing
     from tests.indexer.folders import SmallBundle
-    indexing._BATCH_FILES = 2
+    storing._BATCH_FILES = 2
     def report(done, total, path):
         print(done, flush=True)
     indexing.index(sys.argv[1], bundle=SmallBundle(), jobs=1, progress=report)

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from encoders.features.humanml3d import joints_to_features
-from indexer.ingest.indexing import Summary, index
+from indexer.ingest.indexing import index
+from indexer.ingest.storing import Summary
 from indexer.store.library_reader import FOLDER
 from indexer.store.stored_library import Caption, StoredLibrary
 from search.query.filters import Filters

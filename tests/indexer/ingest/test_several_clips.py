@@ -10,7 +10,7 @@ import pytest
 
 from encoders.errors import UnknownClip, UnreadableMotion
 from indexer.formats.bvh import bvh_reader as reader
-from indexer.ingest import file_parts, indexing
+from indexer.ingest import file_parts, indexing, storing
 from indexer.ingest.load import load_motion, read_motions
 from indexer.ingest.pool import Read
 from indexer.store import digests, schema
@@ -48,7 +48,7 @@ def reading(monkeypatch):
                 yield request.key, Read(reason=error.reason)
 
     monkeypatch.setattr(file_parts, "read_takes", read_takes)
-    monkeypatch.setattr(indexing, "read_all", read_all)
+    monkeypatch.setattr(storing, "read_all", read_all)
 
 
 def scene(path, **texts):

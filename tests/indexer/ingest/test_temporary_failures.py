@@ -10,7 +10,7 @@ import pytest
 
 from encoders.errors import LibraryError
 from indexer.formats import opening
-from indexer.ingest import indexing, pool
+from indexer.ingest import pool, storing
 from indexer.ingest.indexing import index
 from indexer.ingest.pool import Read
 from indexer.store.stored_library import StoredLibrary
@@ -64,7 +64,7 @@ def how(root, monkeypatch):
     def read_all(requests, jobs):
         return pool.read_all(requests, jobs, patience=1.0, target=READ)
 
-    monkeypatch.setattr(indexing, "read_all", read_all)
+    monkeypatch.setattr(storing, "read_all", read_all)
 
     def tell(what):
         (root.parent / "how").write_text(what) if what else (root.parent / "how").unlink()
@@ -210,7 +210,7 @@ def replaced_and_put_back(path):
 def test_what_was_written_while_it_was_read_is_read_again(tmp_path, bundle, monkeypatch, meddle):
     path = write(tmp_path / "takes" / "a.npy", 1)
     reading = Meddling(meddle)
-    monkeypatch.setattr(indexing, "read_all", reading)
+    monkeypatch.setattr(storing, "read_all", reading)
     assert counts(index(path.parent, bundle=bundle, jobs=1)) == (1, 0, 0, 0, 0)
     assert reading.read == ["a.npy", "a.npy"]
     with StoredLibrary.open(path.parent, bundle=bundle) as library:
@@ -222,7 +222,7 @@ def test_what_changes_each_time_is_left_for_the_next_run(tmp_path, bundle, monke
     path = write(tmp_path / "takes" / "a.npy", 1)
     write(tmp_path / "takes" / "b.npy", 2)
     reading = Meddling(lambda path: path.name == "a.npy" and write(path, 50 + len(reading.read)), times=99)
-    monkeypatch.setattr(indexing, "read_all", reading)
+    monkeypatch.setattr(storing, "read_all", reading)
     summary = index(path.parent, bundle=bundle, jobs=1)
     assert counts(summary) == (1, 0, 0, 0, 1)
     assert summary.failed[0][1] == "it changes while it is read; it is tried again at the next run"
@@ -238,19 +238,19 @@ def test_a_half_written_file_is_not_remembered_as_broken(tmp_path, bundle, monke
     finished = Meddling(lambda path: None)
 
     def first(requests, jobs):
-        monkeypatch.setattr(indexing, "read_all", finished)
+        monkeypatch.setattr(storing, "read_all", finished)
         for request in requests:
             path.write_bytes(whole)
             yield request.key, Read(reason="it is cut short")
 
-    monkeypatch.setattr(indexing, "read_all", first)
+    monkeypatch.setattr(storing, "read_all", first)
     assert counts(index(path.parent, bundle=bundle, jobs=1)) == (1, 0, 0, 0, 0)
 
 
 def test_a_file_that_vanishes_while_it_is_read_is_no_clip(tmp_path, bundle, monkeypatch):
     path = write(tmp_path / "takes" / "a.npy", 1)
     write(tmp_path / "takes" / "b.npy", 2)
-    monkeypatch.setattr(indexing, "read_all", Meddling(lambda path: path.unlink()))
+    monkeypatch.setattr(storing, "read_all", Meddling(lambda path: path.unlink()))
     assert index(path.parent, bundle=bundle, jobs=1).indexed == 1
     assert set(paths(path.parent)) == {"b.npy"}
     assert counts(index(path.parent, bundle=bundle, jobs=1)) == (0, 1, 0, 0, 0)
@@ -270,7 +270,7 @@ def test_a_skeleton_that_changes_while_its_motion_is_read_counts(tmp_path, bundl
                 (root / "s.asf").write_text("another")
             yield request.key, Read(reason="no motion")
 
-    monkeypatch.setattr(indexing, "read_all", read_all)
+    monkeypatch.setattr(storing, "read_all", read_all)
     index(root, bundle=bundle, jobs=1)
     assert len(set(seen)) == len(seen) == 2
 

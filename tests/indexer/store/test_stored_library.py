@@ -17,7 +17,7 @@ from encoders.errors import (
     UnknownClip,
 )
 from encoders.motion import Motion
-from indexer.ingest import indexing
+from indexer.ingest import indexing, storing
 from indexer.ingest.arrays import NewClip, add
 from indexer.ingest.pool import Read
 from indexer.read_motion import ReadMotion
@@ -40,7 +40,7 @@ def in_process(monkeypatch):
         for request in requests:
             yield request.key, Read((ReadMotion(Motion(np.load(request.path)), rig="rig"),))
 
-    monkeypatch.setattr(indexing, "read_all", read_all)
+    monkeypatch.setattr(storing, "read_all", read_all)
 
 
 @pytest.fixture
