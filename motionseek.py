@@ -20,6 +20,7 @@ if motionseek_main.hidden_package():
     raise ImportError(motionseek_main.hidden_package())
 
 from encoders.bundle.bundle import Bundle
+from encoders.bundle.known_models import load_model
 from encoders.errors import (
     ArgumentError,
     BundleError,
@@ -83,6 +84,7 @@ __all__ = [
     "describe",
     "index",
     "load",
+    "load_model",
     "moments",
     "open",
     "segment",

@@ -63,3 +63,11 @@ def documented(indexed_demo: Path) -> Iterator[Path]:
     for path in set(indexed_demo.rglob("*")) - before:
         if path.is_file() and ".motionseek" not in path.parts:
             path.unlink()
+
+
+@pytest.fixture(autouse=True)
+def models(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the user's models: one that does not exist until a test writes there."""
+    folder: Path = tmp_path_factory.getbasetemp() / "models" / "none"
+    monkeypatch.setenv("MOTIONSEEK_MODELS", str(folder))
+    return folder

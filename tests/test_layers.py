@@ -17,7 +17,8 @@ from tests.conftest import ROOT
 #: Package -> its rooms, lowest first. A room imports only lower ones and those of lower packages.
 ROOMS = {
     "encoders": (
-        "errors arguments skeleton geometry english drawing motion features protocol bundle metrics corpus tmr".split()
+        "errors arguments extensions skeleton geometry english drawing motion features protocol bundle metrics "
+        "corpus tmr".split()
     ),
     "indexer": (
         "take argument_checks part_names read_motion formats rigs vectors store ingest maintenance datasets".split()

@@ -19,7 +19,7 @@ from encoders.bundle.sessions import open_session, run
 from encoders.bundle.tokenizer_file import read_tokenizer
 from encoders.bundle.windows import window_starts
 from encoders.errors import ArgumentError, BundleError
-from encoders.features.registry import FEATURE_KINDS
+from encoders.features.registry import feature_kind
 from encoders.motion import Motion
 
 if TYPE_CHECKING:
@@ -59,7 +59,8 @@ class Bundle:
         self.name = manifest.name
         self.fingerprint = manifest.fingerprint
         self.feature_kind = manifest.feature_kind
-        self.fps = FEATURE_KINDS[manifest.feature_kind].fps
+        self._kind = feature_kind(manifest.feature_kind)
+        self.fps = self._kind.fps
         self.max_frames = manifest.max_frames
         self.latent_size = manifest.latent_size
         self.manifest: Mapping[str, Any] = manifest.values
@@ -104,7 +105,7 @@ class Bundle:
 
     def features(self, motion: Motion) -> Array:
         """The features (T', F) this model reads; windows of the motion are slices of them."""
-        return FEATURE_KINDS[self.feature_kind].compute(motion)
+        return self._kind.compute(motion)
 
     def encode_features(self, features: Sequence[Array]) -> Array:
         """Unit vectors (N, D) of N feature sequences (T', F); a longer one than the model reads as a whole is the mean
@@ -161,7 +162,7 @@ class Bundle:
         return latents
 
     def _check(self, features: Array) -> None:
-        size = FEATURE_KINDS[self.feature_kind].size
+        size = self._kind.size
         if features.ndim != 2 or features.shape[1] != size or len(features) == 0:
             raise ArgumentError(f"features {features.shape} must be (T', {size}) with T' >= 1")
 
@@ -180,7 +181,7 @@ class Bundle:
         with self._lock:
             if name not in self._sessions:
                 session = open_session(self.folder / name, self._threads)
-                size = FEATURE_KINDS[self.feature_kind].size
+                size = self._kind.size
                 inputs = {
                     MOTION: {"features": [None, None, size], "lengths": [None]},
                     TEXT: {"input_ids": [None, None], "attention_mask": [None, None]},

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from encoders.errors import BundleError
-from encoders.features.registry import FEATURE_KINDS
+from encoders.features.registry import feature_kind
 
 FORMAT = 1
 MANIFEST, MOTION, TEXT, TOKENIZER, CALIBRATION = (
@@ -79,6 +79,14 @@ def read_manifest(folder: Path) -> Manifest:
         If the folder is no bundle, is of a format or feature kind this version does not know, names a file outside
         itself, or a file is missing or differs from its sha256.
     """
+    manifest = stated_manifest(folder)
+    for name, expected in manifest.files.items():
+        _verify(folder / name, expected)
+    return manifest
+
+
+def stated_manifest(folder: Path) -> Manifest:
+    """Read and check a bundle's manifest alone, as `read_manifest` does; its files may be damaged."""
     path = folder / MANIFEST
     try:
         if path.stat().st_size > _LARGEST_MANIFEST:
@@ -88,10 +96,7 @@ def read_manifest(folder: Path) -> Manifest:
         raise BundleError(f"{folder}: no model bundle here ({MANIFEST} is missing)") from error
     except (OSError, ValueError, RecursionError) as error:
         raise BundleError(f"{path}: cannot be read ({error})") from error
-    manifest = _checked(path, values)
-    for name, expected in manifest.files.items():
-        _verify(folder / name, expected)
-    return manifest
+    return _checked(path, values)
 
 
 def _checked(path: Path, values: Any) -> Manifest:
@@ -105,10 +110,10 @@ def _checked(path: Path, values: Any) -> Manifest:
     for key, kind in types.items():
         if not isinstance(values.get(key), kind) or isinstance(values[key], bool):
             raise BundleError(f"{path}: {key!r} is missing or no {kind.__name__}")
-    if values["feature_kind"] not in FEATURE_KINDS:
-        raise BundleError(
-            f"{path}: feature kind {values['feature_kind']!r} is unknown; known: {', '.join(FEATURE_KINDS)}"
-        )
+    try:
+        feature_kind(values["feature_kind"])
+    except BundleError as error:
+        raise BundleError(f"{path}: {error}") from error
     if values["max_frames"] < 1 or values["latent_size"] < 1:
         raise BundleError(f"{path}: 'max_frames' and 'latent_size' must be positive")
     for key, most in (("max_frames", MAX_FRAMES), ("latent_size", MAX_LATENT)):

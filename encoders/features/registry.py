@@ -1,4 +1,4 @@
-"""The feature kinds a model can be trained on, by the name its bundle states."""
+"""The feature kinds a model can read, by the name its bundle states: the project's and other distributions'."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders import extensions
+from encoders.errors import BundleError
 from encoders.features import canonical, humanml3d
 from encoders.motion import Motion
 
@@ -41,3 +43,22 @@ FEATURE_KINDS = {
         FeatureKind("humanml3d", humanml3d.SIZE, humanml3d.FPS, humanml3d.of_motion),
     )
 }
+
+
+def feature_kind(name: str) -> FeatureKind:
+    """The feature kind of a name; one of another distribution is found by its entry point.
+
+    Raises
+    ------
+    BundleError
+        If there is none of that name, or what the entry point names is none.
+    """
+    if name in FEATURE_KINDS:
+        return FEATURE_KINDS[name]
+    found = extensions.load_extension(extensions.FEATURES, name)
+    if found is None:
+        known = [*FEATURE_KINDS, *dict(extensions.owners(extensions.FEATURES))]
+        raise BundleError(f"feature kind {name!r} is unknown; known: {', '.join(known)}")
+    if not isinstance(found, FeatureKind) or found.name != name or found.size < 1 or not found.fps > 0:
+        raise BundleError(f"{extensions.FEATURES} {name!r} names {found!r}, which is no FeatureKind of that name")
+    return found

@@ -22,7 +22,7 @@ from indexer.ingest import side_files
 from indexer.ingest.changes import Changes, RequestedOptions, compare, record
 from indexer.ingest.encode import encode_captions, use_model
 from indexer.ingest.published_folders import advice, published
-from indexer.ingest.reencode import reencode
+from indexer.ingest.reencode import model_of, reencode
 from indexer.ingest.scan import walk
 from indexer.ingest.side_files import SideFileChanges
 from indexer.ingest.storing import TRIED_AGAIN, Progress, Summary, Task, read_and_store
@@ -60,7 +60,7 @@ def index(
         The library folder; by default that of the folder: the folder itself where it is a library, else `.motionseek`
         in it. It must be named for several folders.
     bundle : Encoder, optional
-        The model; the default one if not given.
+        The model; if not given, that of the library, the shipped one for a new library.
     jobs : int, optional
         Processes that read; by default one a core.
     fps : float, optional
@@ -75,6 +75,7 @@ def index(
         Read unchanged files again that could not be read before.
     rebuild : bool
         Encode all clips and captions again from the stored poses, also with another model than before; see `reencode`.
+        Where no model is given and that of the library is not here any more, with the shipped one.
     progress : callable, optional
         See `Progress`.
 
@@ -100,9 +101,7 @@ def index(
         raise ArgumentError(f"progress={progress!r} must be a function")
     place, folders = _places(roots, library)
     if bundle is None:
-        from encoders.bundle.bundle import Bundle
-
-        bundle = Bundle.load()
+        bundle = model_of(place, rebuild=rebuild)
     summary = Summary()
     if rebuild and (place / FILE).is_file():
         summary.failed += reencode(place, bundle, progress=progress)

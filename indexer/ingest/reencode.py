@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from os import PathLike
+from pathlib import Path
 
-from encoders.errors import LibraryDamaged
+from encoders.errors import BundleMismatch, LibraryDamaged, LibraryError
 from encoders.protocol import Encoder
 from indexer.ingest.encode import encode, encode_captions, try_model
 from indexer.store import models, poses
+from indexer.store.library_reader import FILE
 from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
 
@@ -33,7 +35,7 @@ def reencode(
     library : path
         The library folder or the indexed folder.
     bundle : Encoder, optional
-        The new model; the default one if not given.
+        The new model; if not given, that of the library, or the shipped one where that is not here any more.
     progress : callable, optional
         Called with clips done, clips to do and the last one's path.
 
@@ -47,12 +49,10 @@ def reencode(
     LibraryError
         If there is no library, or it is being written by another process.
     """
-    if bundle is None:
-        from encoders.bundle.bundle import Bundle
-
-        bundle = Bundle.load()
     with StoredLibrary.open(library) as known:
         folder = known.folder
+    if bundle is None:
+        bundle = model_of(folder, rebuild=True)
     with writing(folder) as writer:
         try_model(writer, bundle)
         with writer.batch():
@@ -64,6 +64,34 @@ def reencode(
     with StoredLibrary.open(folder, bundle=bundle) as made:
         made.prepare()
     return failed
+
+
+def model_of(folder: Path, *, rebuild: bool = False) -> Encoder:
+    """The model that the library in a folder was made with; the shipped one where there is no library yet.
+
+    Parameters
+    ----------
+    rebuild : bool
+        Give the shipped one as well where the library's own is not here any more or cannot be made out.
+
+    Raises
+    ------
+    BundleMismatch
+        If it is not here, unless `rebuild`.
+    LibraryError
+        If the library cannot be read, unless `rebuild`.
+    """
+    from encoders.bundle.known_models import load_model
+
+    if not (folder / FILE).is_file():
+        return load_model()
+    with StoredLibrary.open(folder) as known:
+        try:
+            return known.bundle
+        except (BundleMismatch, LibraryError):
+            if not rebuild:
+                raise
+            return load_model()
 
 
 def _encode_clips(

@@ -61,7 +61,7 @@ class StoredLibrary(ClipFinder):
         ----------
         folder : path
         bundle : Encoder, optional
-            The model; the default one is loaded when it is first needed.
+            The model; if not given, that of the library is found where models are kept when it is first needed.
         create : bool
             Make `folder` itself an empty library folder where it is none yet.
 
@@ -89,20 +89,32 @@ class StoredLibrary(ClipFinder):
 
     @property
     def bundle(self) -> Encoder:
-        """The model.
+        """The model: the one that was given, else the one that the library was made with, wherever it is kept.
 
         Raises
         ------
         BundleMismatch
-            If the default bundle is not the model whose vectors the library holds.
+            If that is neither the shipped one nor among those that `encoders.bundle.known_models` knows.
         """
         if self._bundle is None:
-            from encoders.bundle.bundle import Bundle
-
-            bundle = Bundle.load()
-            self._check(bundle)
-            self._bundle = bundle
+            self._bundle = self._own_model()
         return self._bundle
+
+    def _own_model(self) -> Encoder:
+        from encoders.bundle.known_models import load_model, model_with
+
+        with self.reading():
+            model = self._model()
+        if model is None:
+            return load_model()
+        found = model_with(model["fingerprint"], model["name"])
+        if found is None:
+            raise BundleMismatch(
+                f"{self.folder}: made with the model {model['name']} ({model['fingerprint'][:12]}), which is not here "
+                "('motionseek model list'); import it again, or index the library again with another model, "
+                "rebuild=True (--rebuild)"
+            )
+        return found
 
     def _check(self, bundle: Encoder) -> None:
         model = self._model()

@@ -32,7 +32,7 @@ COMMANDS = {
     "forget": "search.cli.commands.maintenance",
     "list": "search.cli.commands.list",
     "evaluate": "search.cli.commands.evaluate",
-    "model": "search.cli.commands.model",
+    "model": "search.cli.commands.model.group",
     "demo": "search.cli.commands.demo",
 }
 

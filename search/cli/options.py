@@ -57,6 +57,9 @@ fps = click.option(
     type=click.FloatRange(1, 10_000),
     help="Frame rate of the file, overriding the one it states or was indexed with.",
 )
+model = click.option(
+    "--model", "model", metavar="NAME", help="A model by its name ('motionseek model list'), or a bundle's folder."
+)
 AXES = ("x", "y", "z", "-x", "-y", "-z")
 up = click.option("--up", type=click.Choice(AXES), help="The axis of the file that is up, whatever it says.")
 end = click.option("--end", type=click.FloatRange(min=0), help="End of the span in seconds.")

@@ -10,7 +10,7 @@ import numpy as np
 from encoders.bundle.bundle import Bundle
 from encoders.corpus.composition.seeds import TEST
 from encoders.corpus.composition.synthetic_pairs import SyntheticClip, synthetic_clips
-from encoders.features.registry import FEATURE_KINDS
+from encoders.features.registry import feature_kind
 from indexer.datasets.captioned_takes import captioned_takes
 from indexer.datasets.labelled_clips import labelled_clips
 from search.evaluate.captioned_archive import CaptionReport, evaluate_captions
@@ -67,7 +67,7 @@ def model_card(
     BundleError
         If the bundle carries no calibration.
     """
-    clips = list(synthetic_clips(TEST, count, FEATURE_KINDS[bundle.feature_kind]))
+    clips = list(synthetic_clips(TEST, count, feature_kind(bundle.feature_kind)))
     parts = [_about(bundle), *_synthetic(clips, bundle)]
     if real is not None and captions is not None:
         parts += _captioned(evaluate_captions(captioned_takes(real, captions, "val"), bundle))

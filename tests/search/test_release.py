@@ -15,7 +15,7 @@ pytestmark = pytest.mark.torch
 from encoders.errors import MotionSeekError  # noqa: E402
 from encoders.tmr.model.network import TMR, TMRConfig, TransformerConfig  # noqa: E402
 from encoders.tmr.training.recipe import Recipe  # noqa: E402
-from search.cli.commands.train import initial_model  # noqa: E402
+from search.cli.commands.model.train import initial_model  # noqa: E402
 from search.release import mean_weights  # noqa: E402
 
 SMALL = {"width": 8, "layers": 1, "heads": 2, "feedforward": 8}

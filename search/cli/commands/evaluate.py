@@ -32,7 +32,7 @@ _SYNTHETIC = "synthetic takes"
 @click.option(
     "--count", type=click.IntRange(1), help="Synthetic clips (4000; 300 for out-of-domain), or synthetic takes (300)."
 )
-@click.option("--bundle", "place", type=click.Path(exists=True, file_okay=False), help="Another model's folder.")
+@options.model
 @options.as_json
 def evaluate(
     folder: Path | None,
@@ -44,7 +44,7 @@ def evaluate(
     labelled: Path | None,
     segments: Path | None,
     count: int | None,
-    place: str | None,
+    model: str | None,
     as_json: bool,
 ) -> None:
     """Evaluate the model on an archive of yours in FOLDER, or on synthetic motion.
@@ -67,9 +67,9 @@ def evaluate(
       motionseek evaluate --protocol corpus --count 1000
       motionseek evaluate data/mocap --protocol moments --captions captions.jsonl --count 50
     """
-    from encoders.bundle.bundle import Bundle
+    from encoders.bundle.known_models import load_model
 
-    bundle = Bundle.load(place)
+    bundle = load_model(model)
     if protocol == "labels":
         _labels(_required(folder, protocol), labels, queries, bundle, as_json)
     elif protocol == "captions":
@@ -132,10 +132,10 @@ def _captions(folder: Path, captions: Path, split: str, encoder: Encoder, as_jso
 def _corpus(count: int, encoder: Encoder) -> dict[str, dict[str, float]]:
     from encoders.corpus.composition.seeds import TEST
     from encoders.corpus.composition.synthetic_pairs import synthetic_clips
-    from encoders.features.registry import FEATURE_KINDS
+    from encoders.features.registry import feature_kind
     from search.evaluate.corpus_retrieval import evaluate_corpus
 
-    return evaluate_corpus(synthetic_clips(TEST, count, FEATURE_KINDS[encoder.feature_kind]), encoder)
+    return evaluate_corpus(synthetic_clips(TEST, count, feature_kind(encoder.feature_kind)), encoder)
 
 
 def _moments(
@@ -184,10 +184,10 @@ def _every_tenth(takes: int) -> None:
 def _out_of_domain(count: int, encoder: Encoder) -> dict[str, float]:
     from encoders.corpus.composition.seeds import TEST
     from encoders.corpus.composition.synthetic_pairs import synthetic_clips
-    from encoders.features.registry import FEATURE_KINDS
+    from encoders.features.registry import feature_kind
     from search.evaluate.out_of_domain import evaluate_out_of_domain
 
-    clips = synthetic_clips(TEST, count, FEATURE_KINDS[encoder.feature_kind])
+    clips = synthetic_clips(TEST, count, feature_kind(encoder.feature_kind))
     return evaluate_out_of_domain(encoder, encoder.encode_features([clip.features for clip in clips]))
 
 

@@ -38,7 +38,10 @@ _NUMBER = re.compile(r"\d+(?:\.\d+)?")
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     help='JSON file {"left_wrist": "joint of the rig", ...} for rigs that are not recognised.',
 )
-@click.option("--rebuild", is_flag=True, help="Encode all clips again, for example with a new model.")
+@click.option(
+    "--rebuild", is_flag=True, help="Encode all clips again, from stored poses; with --model, with another model."
+)
+@options.model
 @click.option("--retry", is_flag=True, help="Read files that failed before again.")
 @options.as_json
 def index(
@@ -49,21 +52,24 @@ def index(
     up: str | None,
     joint_map: Path | None,
     rebuild: bool,
+    model: str | None,
     retry: bool,
     as_json: bool,
 ) -> int:
     """Index the motion files in FOLDER, or update its index.
 
     Subfolders are included; files that have not changed are skipped. Captions are read from a .txt file of the same
-    name and from captions.csv, .tsv or .jsonl in FOLDER. The exit code is 1 if a new or changed file could not be read;
-    all others are indexed.
+    name and from captions.csv, .tsv or .jsonl in FOLDER. A library keeps to the model it was made with. The exit code
+    is 1 if a new or changed file could not be read; all others are indexed.
 
     \b
     Examples:
       motionseek index my_mocap/
       motionseek index shoot_a/ shoot_b/ --library team_library --jobs 8
       motionseek index old_rigs/ --joint-map names.json --retry
+      motionseek index my_mocap/ --rebuild --model tmr-humanml3d
     """
+    from encoders.bundle.known_models import load_model
     from indexer.ingest import indexing
     from search.cli import terminal
     from search.cli.locate import VARIABLE
@@ -80,6 +86,7 @@ def index(
         summary = indexing.index(
             folders,
             library=library,
+            bundle=None if model is None else load_model(model),
             jobs=jobs,
             fps=fps,
             up=up,

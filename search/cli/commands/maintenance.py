@@ -29,6 +29,7 @@ def check(place: str | None, repair: bool, sources: bool, folder: str | None, as
       motionseek check my_mocap/
       motionseek check my_mocap/ --repair
     """
+    from indexer.ingest.reencode import model_of
     from indexer.maintenance import check as checks
     from indexer.maintenance.repair import repair as mend
     from search.cli import terminal
@@ -38,10 +39,8 @@ def check(place: str | None, repair: bool, sources: bool, folder: str | None, as
     found = checks.check(library, sources=sources)
     faults = found.faults
     if repair:
-        from encoders.bundle.bundle import Bundle
-
         with progress_bar() as progress:
-            faults = mend(library, Bundle.load(), progress=progress)
+            faults = mend(library, model_of(library, rebuild=True), progress=progress)
         faults += checks.check(library, sources=True).faults if sources else []
     if as_json:
         terminal.document({"found": _records(found.faults), "left": _records(faults), "unchecked": found.unchecked})

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from encoders.bundle.bundle import Bundle
+from encoders.skeleton import BONE_LENGTHS, PARENTS, RAW_OFFSETS
+from tests.encoders.bundle.conftest import change
 from tests.search.conftest import Run
 
 
@@ -31,3 +35,60 @@ def test_no_card_is_overwritten(run: Run, tmp_path: Path) -> None:
     assert (ran.code, ran.err.count("\n")) == (1, 1)
     assert "--force" in ran.err
     assert (tmp_path / "x.md").read_text(encoding="utf-8") == "mine"
+
+
+@pytest.fixture
+def other(tiny_bundle: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """The name of a second model in the user's folder."""
+    monkeypatch.setenv("MOTIONSEEK_MODELS", str(tmp_path / "models"))
+    change(Path(shutil.copytree(tiny_bundle, tmp_path / "models" / "other")), max_frames=50)
+    return "other"
+
+
+def test_the_models_that_are_here_are_listed(run: Run, other: str, tmp_path: Path) -> None:
+    document = run("model", "list", "--json").document
+    assert document["folder"] == str(tmp_path / "models")
+    assert [row["name"] for row in document["models"]] == ["default", other]
+    assert run("model", "info", "--model", other, "--json").document["max_frames"] == 50
+
+
+def test_a_library_keeps_to_its_model_until_it_is_moved_to_another(run: Run, other: str, tmp_path: Path) -> None:
+    moves = tmp_path / "moves"
+    moves.mkdir()
+    np.save(moves / "standing.npy", joints_of(80))
+    assert run("index", moves, "--model", other, "--jobs", 1).code == 0
+    np.save(moves / "walking.npy", joints_of(60))
+    assert run("index", moves, "--jobs", 1).code == 0
+    found = run("search", "a person stands", "--library", moves, "--json")
+    assert (found.code, len(found.document["hits"])) == (0, 2)
+    assert run("status", moves, "--json").document["model"] == "tiny"
+
+    refused = run("index", moves, "--model", "default", "--jobs", 1)
+    assert (refused.code, "--rebuild" in refused.err) == (1, True)
+    (moves / "standing.npy").unlink()  # it is moved from stored poses
+    assert run("index", moves, "--rebuild", "--model", "default", "--jobs", 1).code == 0
+    shutil.rmtree(tmp_path / "models")
+    assert run("search", "a person stands", "--library", moves, "--json").code == 0
+
+
+def test_a_library_whose_model_is_gone_says_which_and_what_to_do(run: Run, other: str, tmp_path: Path) -> None:
+    moves = tmp_path / "moves"
+    moves.mkdir()
+    np.save(moves / "standing.npy", joints_of(80))
+    run("index", moves, "--model", other, "--jobs", 1)
+    shutil.rmtree(tmp_path / "models")
+    for command in (("search", "stands", "--library", moves), ("index", moves)):
+        refused = run(*command)
+        assert (refused.code, refused.err.count("\n")) == (1, 1)
+        assert "made with the model tiny" in refused.err
+        assert "motionseek model list" in refused.err
+    assert run("index", moves, "--rebuild", "--jobs", 1).code == 0
+    assert run("search", "stands", "--library", moves).code == 0
+
+
+def joints_of(frames: int) -> np.ndarray:
+    """A body that stands with straight arms, as an array of joints."""
+    joints = np.zeros((22, 3))
+    for joint, parent in enumerate(PARENTS):
+        joints[joint] = 0 if parent < 0 else joints[parent] + RAW_OFFSETS[joint] * BONE_LENGTHS[joint]
+    return np.tile(joints - [0, joints[:, 1].min(), 0], (frames, 1, 1))

@@ -11,7 +11,7 @@ import pytest
 from encoders.corpus.language.held_out_sentences import HeldOutSentences
 from encoders.errors import QueryError
 from encoders.features.registry import FEATURE_KINDS
-from search.cli.commands.train import real_stores
+from search.cli.commands.model.train import real_stores
 from tests.search.conftest import Run, made_motion
 
 HEADER = "path\ttrial\tkind\tsplit\tuse\tfps_in_file\tfps_true\tdescription\n"

@@ -1,0 +1,1 @@
+"""`motionseek model`: one module a command, and the group that gathers them."""
