@@ -44,6 +44,7 @@ from indexer.ingest.indexing import index
 from indexer.ingest.load import load_motion as load
 from indexer.ingest.storing import Summary
 from indexer.store.clips import Caption, Clip
+from indexer.store.marks.marks_table import Marks
 from search.hits import Hit, Hits, Step
 from search.library import Library
 from search.moments.segments import Segment
@@ -69,6 +70,7 @@ __all__ = [
     "LibraryError",
     "LibraryLocked",
     "LibraryNotFound",
+    "Marks",
     "MissingProgram",
     "Motion",
     "MotionSeekError",

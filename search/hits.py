@@ -11,6 +11,7 @@ from typing import Any, SupportsIndex, overload
 from encoders.drawing.player import player
 from encoders.errors import LibraryError, MissingProgram
 from encoders.motion import Motion
+from indexer.store.marks.marks_table import NO_MARKS, Marks
 
 STRONG, PLAUSIBLE, WEAK = "strong", "plausible", "weak"
 
@@ -67,6 +68,8 @@ class Hit:
     stale : str
         What became of the file since it was indexed: that it is gone or has changed, so that the span may no longer
         be its; else empty.
+    marks : Marks
+        The clip's star, tags and collections.
     read : callable or None
         Gives the Motion of the span, as long as its library is open.
     """
@@ -87,6 +90,7 @@ class Hit:
     first_frame: int | None = None
     last_frame: int | None = None
     stale: str = ""
+    marks: Marks = NO_MARKS
     read: Callable[[], Motion] | None = field(default=None, repr=False, compare=False)
 
     def document(self) -> dict[str, Any]:
@@ -105,7 +109,7 @@ class Hit:
         fields |= {"clip": self.clip_id if indexed else None, "root": self.root if indexed else None}
         rate = None if self.source_fps is None else round(self.source_fps, 4)
         fields |= {"source_fps": rate, "first_frame": self.first_frame, "last_frame": self.last_frame}
-        return fields | {"stale": self.stale or None}
+        return fields | {"stale": self.stale or None} | self.marks.document()
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"read": None}

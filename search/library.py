@@ -19,11 +19,11 @@ from indexer.ingest import arrays
 from indexer.ingest.arrays import NewClip
 from indexer.store.clips import Caption, Clip
 from indexer.store.library_reader import one_snapshot
-from indexer.store.stored_library import StoredLibrary
 from search.drawing.film import write_picture
 from search.export.cut import RATES, writable, write_cut
 from search.export.hit_files import export_hits
 from search.hits import Hit, Hits
+from search.marking import MarkedLibrary
 from search.moments.across_library import answers_in_candidates, best_moments
 from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
@@ -46,12 +46,12 @@ Ids = NDArray[np.int64]
 _CHUNK = 1000
 
 
-class Library(StoredLibrary):
+class Library(MarkedLibrary):
     """A library of motions that answers questions. Safe to share between threads.
 
     Searches answer with at most `k` hits, best first. They take filters as keyword arguments, which choose the clips
     to search in: `min_duration` and `max_duration` in seconds, `path` (a pattern such as "fights/*"), `rig`, `format`,
-    `captioned` (True or False) and `split`.
+    `captioned` (True or False), `split`, and of what people have marked `starred` (True or False), `tag`, `collection`.
 
     A reference `ref` is a file; a clip of the library by path (after its root's name, where there are several), name or
     "#number"; a `Clip`, a `Hit`, a `Motion`, or an array of joints (T, 22, 3) with its frame rate `fps` (default 20).
@@ -376,11 +376,6 @@ class Library(StoredLibrary):
     def allowed(self, **filters: Unpack[FilterArguments]) -> Ids | None:
         """The ids of the clips that pass the filters, sorted; None for all."""
         return Filters.of(filters).ids(self)
-
-    def _writable(self) -> Path:
-        """The folder, unless the library is closed."""
-        self.connection  # noqa: B018  raises LibraryError
-        return self.folder
 
     def _cut(self, ref: Ref, start: float | None, end: float | None, fps: float | None, up: str | None) -> Motion:
         return self.source(ref, fps=fps, up=up).cut(*checked_span(*span_of(ref, start, end)))

@@ -22,6 +22,7 @@ from indexer.ingest.load import read_motion
 from indexer.ingest.unindexed import file_state, read_unindexed
 from indexer.read_motion import NOT_KNOWN, Reading, extent
 from indexer.store.clips import Caption, Clip
+from indexer.store.marks.marks_table import NO_MARKS
 from indexer.store.stored_library import StoredLibrary
 from search.hits import Hit, Step
 from search.spans import Moment
@@ -237,5 +238,6 @@ class MotionSource:
             first_frame=frames[0] if frames else None,
             last_frame=frames[1] if frames else None,
             stale=self.stale(by_content=False),
+            marks=NO_MARKS if self.library is None else self.library.marks(self.clip_id),
             read=lambda: self.cut(start, end),
         )

@@ -18,6 +18,7 @@ from indexer.maintenance.salvage import UNFINISHED
 from indexer.store import digests, poses, schema
 from indexer.store.files import ARRAYS_ROOT
 from indexer.store.library_reader import FILE
+from indexer.store.marks import marks_file
 from indexer.store.stored_library import StoredLibrary
 from indexer.vectors.library_indexes import CLIPS, WINDOWS
 
@@ -51,6 +52,8 @@ class Findings:
         Whether a repair was cut off before what it removed had been read again.
     indexes : bool
         Whether the vector files do not hold what the database does.
+    marks : bool
+        Whether the file of stars, tags and collections does not.
     unchecked : int
         Rows that were written before there were digests.
     """
@@ -62,6 +65,7 @@ class Findings:
     vectors: set[int] = field(default_factory=set)
     unfinished: bool = False
     indexes: bool = False
+    marks: bool = False
     unchecked: int = 0
 
 
@@ -90,6 +94,9 @@ def check(folder: Path, *, sources: bool = False) -> Findings:
                 _check_finished(connection, found)
                 _check_rows(connection, found)
                 _check_clips(connection, found)
+                if marks_file.differs(folder, connection):
+                    found.marks = True
+                    found.faults.append(Fault(marks_file.FILE, "not as written"))
         if not found.database:
             with StoredLibrary.open(folder) as library:
                 _check_indexes(library, found)

@@ -17,7 +17,8 @@ from indexer.maintenance.check import Fault, Findings, check
 from indexer.maintenance.salvage import UNFINISHED, rebuild_text_search, salvage
 from indexer.store import models, poses
 from indexer.store.files import ARRAYS_ROOT
-from indexer.store.library_reader import FOLDER
+from indexer.store.library_reader import FILE, FOLDER
+from indexer.store.marks import marks_file, marks_table
 from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
 
@@ -41,6 +42,7 @@ def repair(folder: Path, bundle: Encoder, *, progress: Progress | None = None) -
     if found.database:
         salvage(folder)
         found = check(folder)
+    left = _lost_marks(folder, found)
     try:
         read_again = _mend(folder, found, bundle)
     except sqlite3.Error:  # the database can be read, but not written: its schema is damaged
@@ -49,7 +51,6 @@ def repair(folder: Path, bundle: Encoder, *, progress: Progress | None = None) -
         read_again = _mend(folder, found, bundle)
     if found.indexes:
         shutil.rmtree(folder / "vectors", ignore_errors=True)
-    left = []
     if read_again:
         try:
             indexing.index(_lost_roots(folder), library=folder, bundle=bundle, progress=progress)
@@ -72,6 +73,7 @@ def _mend(folder: Path, found: Findings, bundle: Encoder) -> bool:
                 _take_model(writer, found, bundle)
             model_id = use_model(writer, bundle)
             read_again |= _mark(writer, found)
+            _mend_marks(writer, found)
             _encode_again(writer, bundle, model_id, sorted(found.vectors - found.poses))
             encode_captions(writer, bundle, model_id)
     return read_again
@@ -129,6 +131,25 @@ def _mark(writer: Writer, found: Findings) -> bool:
         if again:
             db.execute("INSERT OR REPLACE INTO settings VALUES (?, 1)", (UNFINISHED,))
     return again > 0
+
+
+def _lost_marks(folder: Path, found: Findings) -> list[Fault]:
+    """Stars, tags and collections that neither the database nor the file beside it holds as they were written."""
+    rows = found.rows.get("marks", [])
+    lost = bool(rows) and marks_file.read(folder) is None
+    return [Fault(FILE, f"{len(rows)} stars, tags or collections are lost")] if lost else []
+
+
+def _mend_marks(writer: Writer, found: Findings) -> None:
+    """Remove damaged stars, tags and collections, and bring back those of the file beside; or write this anew."""
+    folder, rows = writer.folder, found.rows.get("marks", [])
+    held = marks_file.read(folder)
+    if rows:
+        with writer.batch():
+            writer.connection.execute(f"DELETE FROM marks WHERE rowid IN ({_list(rows)})")
+            marks_table.restore(writer.connection, [] if held is None else held.rows)
+    elif found.marks:
+        marks_file.put_aside(folder)
 
 
 def _encode_again(writer: Writer, bundle: Encoder, model_id: int, ids: Iterable[int]) -> None:

@@ -15,6 +15,7 @@ from indexer.store import digests, schema
 from indexer.store.files import ARRAYS_ROOT, INDEXED
 from indexer.store.library_reader import FILE
 from indexer.store.lock import write_lock
+from indexer.store.marks import marks_table
 
 #: What a damaged database is renamed to.
 DAMAGED = f"{FILE}.damaged"
@@ -125,6 +126,9 @@ def _rows(source: sqlite3.Connection, query: str, order: str) -> Iterator[Any]:
 def _make_consistent(target: sqlite3.Connection) -> None:
     """Remove the rows that name others that are lost, and find out the settings from what there is."""
     with schema.transaction(target):
+        marks_table.detach_lost(target)
+        # those that were lost are recovered from the file beside; see `marks_file`
+        target.execute("DELETE FROM settings WHERE key = ?", (marks_table.GENERATION,))
         while broken := target.execute("PRAGMA foreign_key_check").fetchall():
             for table, rowid, *_ in broken:
                 target.execute(f"DELETE FROM {table} WHERE rowid = ?", (rowid,))

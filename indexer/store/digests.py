@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+from collections.abc import Iterable
 from hashlib import blake2b
 
 from sqlite_utils import Database
@@ -23,6 +24,7 @@ COVERED = {
     "texts": ("id", "text"),
     "text_embeddings": ("text_id", "model_id", "vector"),
     "captions": ("id", "side_file_id", "root_id", "path", "clip_id", "text_id", "start", "end", "fps", "up", "split"),
+    "marks": ("id", "clip_id", "root", "path", "kind", "name", "added"),
 }  # fmt: skip
 
 
@@ -36,9 +38,9 @@ def digest(*values: object) -> int:
     return int.from_bytes(hashed.digest(), "little") >> 1
 
 
-def add_columns(db: Database) -> None:
-    """Give every table of `COVERED` a digest; rows that are there already have none."""
-    for table in COVERED:
+def add_columns(db: Database, tables: Iterable[str]) -> None:
+    """Give tables a digest; rows that are there already have none."""
+    for table in tables:
         db.execute(f"ALTER TABLE {table} ADD COLUMN digest INTEGER")
 
 

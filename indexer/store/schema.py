@@ -158,6 +158,11 @@ def m003_splits(db: Database) -> None:
     db.execute("CREATE INDEX captions_split ON captions(split) WHERE split IS NOT NULL")
 
 
+#: The tables that `m005_digests` gives a digest.
+_WITH_DIGESTS = (
+    "roots", "files", "clips", "poses", "models", "embeddings", "windows", "side_files", "texts", "text_embeddings",
+    "captions",
+)  # fmt: skip
 #: What `m004_several_clips_a_file` adds to `clips`: name, type, and the value for clips that were there before.
 _READING = (
     ("part", "TEXT", "''"),
@@ -187,7 +192,7 @@ def m004_several_clips_a_file(db: Database) -> None:
 @migration
 def m005_digests(db: Database) -> None:
     """A digest of each row. To write it must not touch the full-text tables, so they follow their own column alone."""
-    digests.add_columns(db)
+    digests.add_columns(db, _WITH_DIGESTS)
     for table, column in (("clips", "name"), ("texts", "text")):
         (trigger,) = (trigger for trigger in db.table(table).triggers if trigger.name == f"{table}_au")
         db.execute(f"DROP TRIGGER {trigger.name}")
@@ -203,14 +208,40 @@ def m006_stated_axes(db: Database) -> None:
     db.execute(f"UPDATE captions SET digest = digest({row}, up, split) WHERE digest = digest({row}, split)")
 
 
+@migration
+def m007_marks(db: Database) -> None:
+    """Stars, tags and collections. root and path say where the clip lies; clip_id is empty where it is lost."""
+    db.table("marks").create(
+        {
+            "id": int,
+            "clip_id": int,
+            "root": str,
+            "path": str,
+            "kind": str,
+            "name": str,
+            "added": str,
+            "digest": int,
+        },
+        pk="id",
+        not_null={"root", "path", "kind", "name", "added"},
+        foreign_keys=[("clip_id", "clips", "id")],
+    )
+    db.table("marks").create_index(["clip_id", "kind", "name"], unique=True)
+    for columns in (["root", "path"], ["kind", "name"]):
+        db.table("marks").create_index(columns)
+
+
 def _as_of_today(connection: sqlite3.Connection, version: int) -> None:
-    """Show the tables of an older library, which is only read, with the columns that it lacks."""
+    """Show the tables of an older library, which is only read, with what they lack."""
+    empty = "SELECT 0 AS clip_id, '' AS root, '' AS path, '' AS kind, '' AS name, '' AS added, 0 AS id WHERE 0"
+    connection.execute(f"CREATE TEMP VIEW marks AS {empty}")
     if version < 4:
         defaults = ", ".join(f"{value} AS {name}" for name, _, value in _READING)
         path = "(SELECT path FROM main.files WHERE files.id = file_id) AS clip_path"
         connection.execute(f"CREATE TEMP VIEW clips AS SELECT *, {defaults}, {path} FROM main.clips")
-    split = "" if version >= 3 else ", NULL AS split"
-    connection.execute(f"CREATE TEMP VIEW captions AS SELECT *{split}, NULL AS up FROM main.captions")
+    if version < 6:
+        split = "" if version >= 3 else ", NULL AS split"
+        connection.execute(f"CREATE TEMP VIEW captions AS SELECT *{split}, NULL AS up FROM main.captions")
 
 
 def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
@@ -241,7 +272,7 @@ def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
             f"{path}: not finished: it was begun, and nothing was written yet; run 'motionseek index' again"
         )
     digests.register(connection)
-    if version < 6 and not writable:
+    if version < 7 and not writable:
         _as_of_today(connection, version)
     return connection
 

@@ -23,12 +23,14 @@ from encoders.errors import (
 )
 from encoders.motion import FPS, Motion
 from encoders.protocol import Encoder
-from indexer.argument_checks import checked_encoder
+from indexer.argument_checks import checked_clip_id, checked_encoder
 from indexer.read_motion import extent
 from indexer.store import captions, poses, schema
 from indexer.store.clip_finder import ClipFinder
 from indexer.store.clips import Caption
 from indexer.store.library_reader import FILE, FileId, library_folder, one_snapshot
+from indexer.store.marks import marks_table
+from indexer.store.marks.marks_table import NO_MARKS, Marks
 from indexer.store.stats import stats
 from indexer.vectors.library_indexes import CLIPS, WINDOWS, LibraryIndexes
 
@@ -187,6 +189,15 @@ class StoredLibrary(ClipFinder):
             (id,),
         )
         return list(dict.fromkeys(Caption(*row) for row in rows))
+
+    @property
+    def marks_generation(self) -> int:
+        """The generation in which a star, tag or collection last changed; 0 if none ever has."""
+        return marks_table.generation(self.connection)
+
+    def marks(self, id: int) -> Marks:
+        """The star, tags and collections of a clip."""
+        return marks_table.of_clips(self.connection, [checked_clip_id(id)]).get(id, NO_MARKS)
 
     @one_snapshot
     def caption_vectors(self) -> CaptionVectors:

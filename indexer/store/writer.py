@@ -20,6 +20,7 @@ from indexer.store import captions, digests, models, poses, schema
 from indexer.store.captions import CaptionRow
 from indexer.store.files import ARRAYS_ROOT, FAILED, GONE, INDEXED, ArrayItem, File, FileVersion, KnownFile
 from indexer.store.lock import write_lock
+from indexer.store.marks import marks_file, marks_table
 from indexer.store.models import ClipVectors
 from indexer.store.read_options import ReadOptions
 
@@ -64,6 +65,12 @@ class Writer:
                 f"{self.folder}: another process has begun to write it, as its writer.lock was deleted or the file "
                 "system has no locks; what was committed is kept, run the command again when that is done"
             )
+
+    def recover_marks(self) -> None:
+        """Bring back the marks of the file beside the database where this lacks them; see `marks_file`."""
+        if lost := marks_file.to_recover(self.folder, self.connection):
+            with self.batch():
+                marks_table.restore(self.connection, lost)
 
     def root(self, path: Path) -> int:
         """The id of an indexed folder, new or known.
@@ -136,6 +143,8 @@ class Writer:
         # Captions that name the file alone are the first clip's.
         for path, (clip_id, is_new) in zip((*paths, source.file.path), (*ids, ids[0]), strict=True):
             captions.attach(self.connection, clip_id, source.root_id, path, is_new=is_new)
+        for path, (clip_id, _) in zip(paths, ids, strict=True):
+            marks_table.attach(self.connection, clip_id, source.root_id, path)
         return [clip_id for clip_id, _ in ids]
 
     def _drop_others(self, file_id: int, kept: Sequence[int]) -> None:
@@ -168,6 +177,7 @@ class Writer:
             path, file_id = db.execute("SELECT clip_path, file_id FROM clips WHERE id = ?", (clip_id,)).fetchone()
             self._drop(clip_id)
             captions.forget(db, clip_id)
+            marks_table.forget(db, clip_id)
             db.execute("UPDATE files SET hash = '', size = -1 WHERE id = ?", (file_id,))
             db.execute("DELETE FROM files WHERE id = ? AND id NOT IN (SELECT file_id FROM clips)", (file_id,))
             paths.append(path)
@@ -183,6 +193,7 @@ class Writer:
         file_id = self._file(FileVersion(root_id, item, digest, ReadOptions()))
         clip_id, is_new = self._clip(file_id, item, read)
         captions.replace_of_clip(self.connection, root_id, clip_id, rows, is_new=is_new)
+        marks_table.attach(self.connection, clip_id, root_id, item.path)
         self._put_content(clip_id, read.motion, vectors, model_id)
         return clip_id
 
@@ -200,6 +211,7 @@ class Writer:
         clip_id, file_id = row
         for table in ("captions", "poses", "embeddings", "windows"):
             self.connection.execute(f"DELETE FROM {table} WHERE clip_id = ?", (clip_id,))
+        marks_table.forget(self.connection, clip_id)
         self.gone([file_id])
         return True
 
@@ -228,6 +240,7 @@ class Writer:
                 (with_part(file.name, part), path, file.format, self._generation, clip_id),
             )
             captions.attach(db, clip_id, root_id, path, is_new=False)
+            marks_table.attach(db, clip_id, root_id, path)
         captions.attach(db, clips[0][0], root_id, file.path, is_new=False)
 
     def gone(self, file_ids: Iterable[int]) -> None:
@@ -329,6 +342,9 @@ def writing(folder: Path) -> Iterator[Writer]:
         try:
             schema.migrate(connection)
             digests.keep(connection)
-            yield Writer(folder, connection)
+            writer = Writer(folder, connection)
+            writer.recover_marks()
+            yield writer
+            marks_file.update(folder, connection)
         except sqlite3.OperationalError as error:
             raise schema.not_written(file, error) from error

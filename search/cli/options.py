@@ -72,6 +72,9 @@ _FILTERS = (
     click.option("--format", metavar="NAME", help="Only clips of this file format."),
     click.option("--captioned/--uncaptioned", default=None, help="Only clips with captions, or without."),
     click.option("--split", metavar="NAME", help="Only clips of a data set's split, such as 'test'."),
+    click.option("--starred/--unstarred", default=None, help="Only clips with a star, or without."),
+    click.option("--tag", metavar="NAME", help="Only clips with this tag."),
+    click.option("--collection", metavar="NAME", help="Only clips of this collection."),
 )
 
 

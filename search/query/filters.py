@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from encoders.arguments import checked_flag, checked_text, optional_number
 from encoders.errors import ArgumentError
 from indexer.store.clips import LIVE
+from indexer.store.marks import marks_table
+from indexer.store.marks.marks_table import COLLECTION, STAR, TAG
 from indexer.store.stored_library import StoredLibrary
 from search.query.path_filter import clips_at, nearest_paths
 
@@ -24,7 +26,16 @@ _CONDITIONS = {
     "format": "format = ?",
     "split": "clips.id IN (SELECT clip_id FROM captions WHERE split = ?)",
 }
+#: Filter by the name of a mark -> its kind; names are compared whatever their case.
+_MARKED = {"tag": TAG, "collection": COLLECTION}
+_NAMES = "(SELECT name FROM (SELECT DISTINCT name FROM marks WHERE kind = '{}') WHERE folded(name) = folded(?))"
+_CONDITIONS |= {
+    name: f"clips.id IN (SELECT clip_id FROM marks WHERE kind = '{kind}' AND name IN {_NAMES.format(kind)})"
+    for name, kind in _MARKED.items()
+}
+_STARRED = f"clips.id IN (SELECT clip_id FROM marks WHERE kind = '{STAR}' AND clip_id IS NOT NULL)"
 _CAPTIONED = "clips.id IN (SELECT clip_id FROM captions WHERE clip_id IS NOT NULL AND text_id IS NOT NULL)"
+_FLAGS = {"captioned": _CAPTIONED, "starred": _STARRED}
 
 #: Values that an error suggests, at most.
 _SUGGESTED = 4
@@ -40,6 +51,9 @@ class FilterArguments(TypedDict, total=False):
     format: str | None
     captioned: bool | None
     split: str | None
+    starred: bool | None
+    tag: str | None
+    collection: str | None
 
 
 @dataclass(frozen=True)
@@ -59,6 +73,10 @@ class Filters:
         Only clips with a caption, or only those without.
     split : str, optional
         The name of a list of ids beside the folders of a published data set, such as ``test``.
+    starred : bool, optional
+        Only clips with a star, or only those without.
+    tag, collection : str, optional
+        Only clips with that tag, or in that collection.
 
     Raises
     ------
@@ -73,6 +91,9 @@ class Filters:
     format: str | None = None
     captioned: bool | None = None
     split: str | None = None
+    starred: bool | None = None
+    tag: str | None = None
+    collection: str | None = None
 
     @classmethod
     def of(cls, arguments: Mapping[str, Any]) -> Filters:
@@ -91,12 +112,13 @@ class Filters:
     def __post_init__(self) -> None:
         for name in ("min_duration", "max_duration"):
             object.__setattr__(self, name, optional_number(name, getattr(self, name)))
-        for name in ("path", "rig", "format", "split"):
+        for name in ("path", "rig", "format", "split", *_MARKED):
             value = getattr(self, name)
             if value is not None:
                 checked_text(name, value)
-        if self.captioned is not None:
-            checked_flag("captioned", self.captioned)
+        for name in _FLAGS:
+            if getattr(self, name) is not None:
+                checked_flag(name, getattr(self, name))
         low, high = self.min_duration, self.max_duration
         if low is not None and high is not None and low > high:
             raise ArgumentError(f"min_duration={low:g} is more than max_duration={high:g}: no clip can be both")
@@ -136,6 +158,13 @@ class Filters:
             return f"; there are {', '.join(near)}{', ...' if len(counts) > len(near) else ''}"
         if name == "captioned":
             return "; no clip has a caption" if self.captioned else "; every clip has a caption"
+        if name == "starred":
+            return "; no clip has a star" if self.starred else "; every clip has a star"
+        if name in _MARKED:
+            names = list(marks_table.counts(library.connection, _MARKED[name]))
+            near = get_close_matches(getattr(self, name), names, n=_SUGGESTED) or names[:_SUGGESTED]
+            more = ", ..." if len(names) > len(near) else ""
+            return f"; there are {', '.join(near)}{more}" if near else "; there are none"
         if name == "split":
             rows = library.connection.execute(
                 "SELECT DISTINCT split FROM captions WHERE clip_id IS NOT NULL AND split IS NOT NULL"
@@ -149,8 +178,9 @@ class Filters:
         """The SQL condition of all filters but the path, and the values to bind; empty where there are none."""
         given = [name for name in self.given if name in _CONDITIONS]
         conditions = [_CONDITIONS[name] for name in given]
-        if self.captioned is not None:
-            conditions.append(_CAPTIONED if self.captioned else _CAPTIONED.replace(" IN ", " NOT IN "))
+        for name, condition in _FLAGS.items():
+            if (flag := getattr(self, name)) is not None:
+                conditions.append(condition if flag else condition.replace(" IN ", " NOT IN ", 1))
         return " AND ".join(conditions), tuple(getattr(self, name) for name in given)
 
 

@@ -56,6 +56,9 @@ async def filters(
     format: Annotated[str | None, Query(max_length=200)] = None,
     captioned: bool | None = None,
     dataset_split: Annotated[str | None, Query(max_length=200)] = None,
+    starred: bool | None = None,
+    tag: Annotated[str | None, Query(max_length=200)] = None,
+    collection: Annotated[str | None, Query(max_length=200)] = None,
 ) -> FilterArguments:
     """The filters as keyword arguments of `Library.search`."""
     return {
@@ -66,6 +69,9 @@ async def filters(
         "format": format,
         "captioned": captioned,
         "split": dataset_split,
+        "starred": starred,
+        "tag": tag,
+        "collection": collection,
     }
 
 

@@ -32,6 +32,9 @@ class HitModel(BaseModel):
     first_frame: int | None
     last_frame: int | None
     stale: str | None
+    starred: bool
+    tags: list[str]
+    collections: list[str]
     steps: list[StepModel] | None = None
 
 
@@ -97,6 +100,9 @@ class MotionResponse(BaseModel):
     source_frames: int | None
     warnings: list[str]
     captions: list[CaptionModel]
+    starred: bool
+    tags: list[str]
+    collections: list[str]
 
 
 class MotionsResponse(BaseModel):

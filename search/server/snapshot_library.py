@@ -22,6 +22,7 @@ from encoders.errors import MotionSeekError
 from encoders.protocol import Encoder
 from indexer.store.clips import Caption, Clip
 from indexer.store.library_reader import FileId
+from indexer.store.marks.marks_table import Marks
 from indexer.vectors.faiss_index import FaissIndex
 from indexer.vectors.library_indexes import CLIPS, WINDOWS
 from search.hits import Hits
@@ -46,7 +47,7 @@ _CHANGED = "SELECT id FROM clips WHERE generation > ?"
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The indexes of one generation, the number of clips, the highest clip id, and the captions' generation."""
+    """The indexes of one generation, the number of clips, the highest id, the generations of captions and marks."""
 
     file: FileId
     generation: int
@@ -55,6 +56,7 @@ class Snapshot:
     count: int
     newest: int
     captions: int
+    marks: int
 
 
 @dataclass(frozen=True)
@@ -84,6 +86,7 @@ class SnapshotLibrary(Library):
         self._id_cache: LruCache[Ids] = LruCache(64)
         self._clip_cache: LruCache[Clip] = LruCache(20_000)
         self._caption_cache: LruCache[list[Caption]] = LruCache(20_000)
+        self._mark_cache: LruCache[Marks] = LruCache(20_000)
         with super().reading():
             self._snapshot = self._take_snapshot()
         self.answer_cache = AnswerCache(self._snapshot.generation)
@@ -152,7 +155,7 @@ class SnapshotLibrary(Library):
         return (
             self._local.file != snapshot.file
             or self.generation < snapshot.generation
-            or self.captions_generation > snapshot.generation
+            or max(self.captions_generation, self.marks_generation) > snapshot.generation
             or any(id <= snapshot.newest for (id,) in self.connection.execute(_CHANGED, (snapshot.generation,)))
         )
 
@@ -176,7 +179,7 @@ class SnapshotLibrary(Library):
         self._check(self.bundle)
         new = self._take_snapshot()
         if new.file != before.file or new.generation < before.generation:
-            self._replace(before, new, self._id_cache, self._clip_cache, self._caption_cache)
+            self._replace(before, new, self._id_cache, self._clip_cache, self._caption_cache, self._mark_cache)
         elif self._is_outdated(before):
             self._replace(before, new)
         else:
@@ -202,7 +205,8 @@ class SnapshotLibrary(Library):
     def _take_snapshot(self) -> Snapshot:
         clips, windows = (self.indexes.current(kind, self.connection, serving=True) for kind in (CLIPS, WINDOWS))
         (newest,) = self.connection.execute("SELECT coalesce(max(id), 0) FROM clips").fetchone()
-        return Snapshot(*self._state(), clips, windows, len(clips), newest, self.captions_generation)
+        changed = self.captions_generation, self.marks_generation
+        return Snapshot(*self._state(), clips, windows, len(clips), newest, *changed)
 
     def _watch(self) -> None:
         while not self._stop.wait(_POLL_SECONDS):
@@ -247,6 +251,11 @@ class SnapshotLibrary(Library):
         """See `Library.captions`."""
         key = (self.snapshot.captions, int(id))
         return self._caption_cache.get_or(key, lambda: super(SnapshotLibrary, self).captions(id))
+
+    def marks(self, id: int) -> Marks:
+        """See `Library.marks`."""
+        key = (self.snapshot.marks, int(id))
+        return self._mark_cache.get_or(key, lambda: super(SnapshotLibrary, self).marks(id))
 
     def is_encoded(self, sentence: str) -> bool:
         """Whether the query vector of a sentence is cached."""

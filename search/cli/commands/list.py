@@ -35,7 +35,10 @@ def list(folder: str | None, as_json: bool, **filters: Any) -> None:
     with options.open_library(folder) as library:
         clips = _clips(library, filters)
         if as_json:
-            found = [clip.document(captions) | {"absolute_path": _absolute_path(clip)} for clip, captions in clips]
+            found = [
+                clip.document(captions) | library.marks(clip.id).document() | {"absolute_path": _absolute_path(clip)}
+                for clip, captions in clips
+            ]
             terminal.document({"clips": found})
             return
         rows = [_row(clip, captions) for clip, captions in clips]

@@ -13,6 +13,7 @@ from starlette.background import BackgroundTask
 from encoders.motion import FPS, Motion
 from encoders.skeleton import JOINTS, PARENTS
 from indexer.store.clips import Clip
+from indexer.store.marks.marks_table import NO_MARKS
 from search.export import joints_binary
 from search.export.cut import write_cut
 from search.server import response_models
@@ -35,7 +36,7 @@ def routes(state: AppState) -> APIRouter:
 
     def clip_document(clip: Clip) -> dict[str, Any]:
         document = clip.document(library.captions(clip.id))
-        return {"clip": document.pop("id")} | document
+        return {"clip": document.pop("id")} | document | library.marks(clip.id).document()
 
     @router.get("/motions", responses=ok(response_models.MotionsResponse))
     def motions(
@@ -136,6 +137,7 @@ def _upload_document(upload: Upload) -> dict[str, Any]:
         "added": "",
         **upload.source.reading.document(),
         "captions": [],
+        **NO_MARKS.document(),
     }
 
 

@@ -11,7 +11,7 @@ import pytest
 from tests.search.conftest import Run
 
 HIT = {"rank", "path", "score", "strength", "start", "end", "duration", "caption", "clip", "root"}
-HIT |= {"source_fps", "first_frame", "last_frame", "stale"}
+HIT |= {"source_fps", "first_frame", "last_frame", "stale", "starred", "tags", "collections"}
 
 
 @pytest.mark.parametrize("command", ["search", "moments"])
