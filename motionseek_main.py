@@ -7,14 +7,18 @@ imported instead of ours, so this module looks before it imports any.
 from __future__ import annotations
 
 import sys
-from importlib.util import find_spec
-from pathlib import Path
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from pathlib import Path
 
 PACKAGES = ("encoders", "indexer", "search")
 
 
 def hidden_package() -> str | None:
     """One line about the first of our packages that Python would not find, or None where it finds all of them."""
+    from pathlib import Path
+
     home = Path(__file__).resolve().parent
     for name in PACKAGES:
         found = _location(name)
@@ -30,6 +34,9 @@ def hidden_package() -> str | None:
 
 def _location(name: str) -> Path | None:
     """The file that `import name` runs, or the folder of a package that has no `__init__.py`."""
+    from importlib.util import find_spec
+    from pathlib import Path
+
     module = sys.modules.get(name)
     if module is not None and getattr(module, "__spec__", None) is None:
         return Path(getattr(module, "__file__", None) or f"<{name}>")
@@ -43,11 +50,15 @@ def _location(name: str) -> Path | None:
 
 def main() -> None:
     """Run the command line and exit with its code; 1 where one of our packages is hidden."""
-    if hidden := hidden_package():
-        sys.exit(f"motionseek: {hidden}")
-    from search.cli.main import main as run
+    try:
+        if hidden := hidden_package():
+            sys.exit(f"motionseek: {hidden}")
+        from search.cli.main import main as run
 
-    run()
+        run()
+    except KeyboardInterrupt:  # while modules are imported, or a second time while the first is dealt with
+        print("motionseek: interrupted", file=sys.stderr)
+        sys.exit(130)
 
 
 if __name__ == "__main__":

@@ -171,9 +171,11 @@ def find_source(
 
 
 def _suggestion(library: StoredLibrary, ref: str) -> str:
-    """Clips that a reference may have meant which names none; empty where it names several."""
+    """What a reference may have meant which names no clip; empty where it names several."""
     if library.matches(ref):
         return ""
+    if len(ref.split()) > 2 and not Path(ref).suffix:
+        return "; to find clips by a sentence, search for it"
     clips = library.clips_by_id(library.ids()[:_NAMES_COMPARED]).values()
     if ref.isdigit() and int(ref) in (clip.id for clip in clips):
         return f"; did you mean '#{ref}'?"

@@ -11,7 +11,10 @@ import io
 import json
 import math
 import posixpath
+import re
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -24,6 +27,10 @@ MAX_BYTES = 32 << 20  # of a side file, half a million captions; a larger one is
 MAX_TEXT = 2000
 MAX_LINES = 1000  # of a .txt file: a longer one is no list of captions
 COLUMNS = ("path", "text", "start", "end", "fps", "up")
+
+#: What may stand between two cells, the usual one first.
+_DELIMITERS = (",", "\t", ";", "|")
+_DECIMAL_COMMA = re.compile(r"^\s*(-?\d+),(\d+)\s*$")
 
 Warn = Callable[[str], None]
 
@@ -60,8 +67,11 @@ def read_lines(file: Path, warn: Warn) -> list[tuple[str, float | None, float | 
 
 
 def _text_of(file: Path, newline: str | None = None) -> TextIO:
-    """Open a file as text; what is no UTF-8 becomes surrogates, which are refused line by line."""
-    return io.TextIOWrapper(open_file(file), encoding="utf-8-sig", errors="surrogateescape", newline=newline)
+    """Open a file as UTF-8, or UTF-16 by its byte order mark; what is neither becomes surrogates, refused by line."""
+    with open_file(file) as opened:
+        is_utf16 = opened.read(2) in (BOM_UTF16_LE, BOM_UTF16_BE)
+    encoding, errors = ("utf-16", "replace") if is_utf16 else ("utf-8-sig", "surrogateescape")
+    return io.TextIOWrapper(open_file(file), encoding=encoding, errors=errors, newline=newline)
 
 
 def _records(file: Path, warn: Warn) -> Iterator[tuple[int, Mapping[str, Any]]]:
@@ -70,13 +80,20 @@ def _records(file: Path, warn: Warn) -> Iterator[tuple[int, Mapping[str, Any]]]:
         if file.suffix.lower() == ".jsonl":
             yield from _json_records(file, lines, warn)
             return
-        reader = csv.reader(lines, delimiter="\t" if file.suffix.lower() == ".tsv" else ",")
+        first = lines.readline()
+        delimiter = max(_DELIMITERS, key=first.count)
+        reader = csv.reader(chain([first], lines), delimiter=delimiter)
         try:
             header = [name.strip().lower() for name in next(reader, [])]
             if "path" not in header or not {"text", "fps", "up"} & set(header):
-                warn(f"{file}: the first line must name the columns, path and text among them ({', '.join(COLUMNS)})")
+                warn(
+                    f"{file}: the first line must name the columns, path and text among them ({', '.join(COLUMNS)}); "
+                    f"it says {shown(' '.join(first.split()))}"
+                )
                 return
             for cells in reader:
+                if delimiter == ";":  # as programs write it where a comma stands in numbers
+                    cells = [_DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in cells]
                 if any(cell.strip() for cell in cells):
                     yield reader.line_num, dict(zip(header, cells, strict=False))
         except csv.Error as error:
@@ -131,7 +148,7 @@ def _utf8(value: str) -> str:
     try:
         value.encode()
     except UnicodeEncodeError:
-        raise ValueError("it is not UTF-8") from None
+        raise ValueError("it is not UTF-8; save it as UTF-8") from None
     return value
 
 

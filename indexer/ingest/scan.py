@@ -23,10 +23,17 @@ LINES = ".txt"
 #: The folders of a library, beside its file.
 _OF_LIBRARY = frozenset({"vectors", "previews"})
 
+#: Archives and compressed files, which may hold motions and are not looked into.
+_PACKINGS = frozenset({".tar", ".tgz", ".gz", ".bz2", ".xz", ".zst", ".7z", ".rar"})
+
 _OTHER_NAME = "lead to what is indexed under another name, and are passed over"
 _LOOP = "lead back to a folder around them, and are passed over"
 _BROKEN = "lead to nothing that is there; the clips they led to are left as they were"
+_PACKED = "are not read; unpack them, or pack them as .zip"
 _ENCODING = "have names that are not UTF-8, and are passed over; rename them"
+
+#: What is remarked on; symbolic links where nothing stands here.
+_KINDS = {_ENCODING: "entries", _PACKED: "packed files"}
 
 
 @dataclass
@@ -200,7 +207,7 @@ class _Walk:
         for folder in scan.folders:
             folder.files.sort(key=lambda file: file.path)
         for remark, paths in self._remarks.items():
-            kind = "entries" if remark == _ENCODING else "symbolic links"
+            kind = _KINDS.get(remark, "symbolic links")
             self._remark(f"{self.root}: {len(paths)} {kind} {remark}", paths)
         return scan
 
@@ -212,6 +219,8 @@ class _Walk:
         if file.ending == zip_archive.ENDING:
             self._add_archive(file)
             return
+        if file.ending in _PACKINGS:
+            self._remarks[_PACKED].append(path)
         self.folders[dirname(path)].files.append(file)
         if state.st_ino and table.is_motion(file.ending):
             self._motions.add((state.st_dev, state.st_ino))

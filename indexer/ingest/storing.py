@@ -15,7 +15,7 @@ from indexer.part_names import with_part
 from indexer.store.files import FileVersion
 from indexer.store.writer import Writer
 
-#: Called with the number of files done, the number to do, and the path of the last one.
+#: Called with the number of files read, the number to read, and the path of the last one.
 Progress = Callable[[int, int, str], None]
 
 #: Stored frames (20 a second) and files in a batch; a long take is a batch of its own.
@@ -112,23 +112,19 @@ def _read_and_encode(
     """Read and store files; those that changed meanwhile are not stored but returned."""
     changed: list[Task] = []
     batch: list[tuple[Task, Read]] = []
-    done = 0
 
     def commit() -> None:
-        nonlocal done
-        if not batch:
-            return
-        changed.extend(_commit(writer, bundle, model_id, batch, summary))
-        done += len(batch)
-        if progress is not None:
-            progress(done, len(tasks), str(batch[-1][0].path))
-        batch.clear()
+        if batch:
+            changed.extend(_commit(writer, bundle, model_id, batch, summary))
+            batch.clear()
 
     if progress is not None:
         progress(0, len(tasks), "")
     try:
-        for task, read in read_all(map(_request, tasks), min(jobs, max(len(tasks), 1))):
+        for done, (task, read) in enumerate(read_all(map(_request, tasks), min(jobs, max(len(tasks), 1))), start=1):
             batch.append((task, read))
+            if progress is not None:
+                progress(done, len(tasks), str(task.path))
             if len(batch) >= _BATCH_FILES or sum(read.frames for _, read in batch) >= _BATCH_FRAMES:
                 commit()
     except KeyboardInterrupt:

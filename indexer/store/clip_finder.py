@@ -21,6 +21,8 @@ from indexer.store.files import ARRAYS_ROOT
 from indexer.store.library_reader import LibraryReader, one_snapshot
 from indexer.store.spelling import composed
 
+#: Characters of a name that an error shows.
+_SHOWN = 200
 #: Values bound in one statement, and clips read by one.
 _VARIABLES, _CHUNK = 500, 1000
 #: Errors of a statement that is wrong, or of values that cannot be bound.
@@ -131,7 +133,8 @@ class ClipFinder(LibraryReader):
             raise UnknownClip(f"{ref!s}: {len(found)} clips are called so; name one of them: {some}{more}")
         if not found:
             kind = "number" if str(ref)[:1] == "#" and str(ref)[1:].isdecimal() else "path or name"
-            raise UnknownClip(f"{ref!s}: no clip of that {kind} in {self.folder}")
+            named = str(ref) if len(str(ref)) <= _SHOWN else f"{str(ref)[:_SHOWN]}..."
+            raise UnknownClip(f"{named}: no clip of that {kind} in {self.folder}")
         return found[0]
 
     @one_snapshot

@@ -36,6 +36,30 @@ COMMANDS = {
     "model": "search.cli.commands.model.group",
     "demo": "search.cli.commands.demo",
 }
+#: What other programs call a command.
+_SYNONYMS = {
+    "find": "search",
+    "query": "search",
+    "ask": "search",
+    "ls": "list",
+    "rm": "forget",
+    "remove": "forget",
+    "delete": "forget",
+    "add": "index",
+    "scan": "index",
+    "update": "index",
+    "info": "status",
+    "stats": "status",
+    "verify": "check",
+    "repair": "check",
+    "cut": "export",
+    "convert": "export",
+    "plot": "render",
+    "show": "render",
+    "play": "serve",
+    "web": "serve",
+    "label": "describe",
+}
 
 
 class Commands(click.Group):
@@ -56,9 +80,17 @@ class Commands(click.Group):
         name = args[0]
         if name in COMMANDS or name.startswith("-"):
             return super().resolve_command(ctx, args)
-        close = difflib.get_close_matches(name, COMMANDS, n=1)
+        close = [_SYNONYMS[name]] if name in _SYNONYMS else difflib.get_close_matches(name, COMMANDS, n=1)
         hint = f"did you mean '{close[0]}'?" if close else f"the commands are {', '.join(COMMANDS)}"
         raise click.UsageError(f"no command '{name}'; {hint}", ctx)
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        try:
+            return super().parse_args(ctx, args)
+        except click.NoSuchOption as error:
+            name = error.option_name
+            message = f"no option '{name}' here; options come after the command, as in 'motionseek search ... {name}'"
+            raise click.UsageError(message, ctx) from None
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -112,12 +144,23 @@ def _run(arguments: list[str], *, debug: bool) -> int:
     except click.ClickException as error:
         return _fail(_usage_line(error), error.exit_code)
     except Exception as error:
+        if _was_interrupted(error):
+            return _fail("motionseek: interrupted", 130)
         if debug:
             raise
         if isinstance(error, (MotionSeekError, OSError)):
             return _fail(f"motionseek: {_one_line(error)}", 2 if isinstance(error, QueryError) else 1)
         named = f"unexpected {type(error).__name__}: {_one_line(error)}"
         return _fail(f"motionseek: {named}; run again with --debug and report the traceback", 1)
+
+
+def _was_interrupted(error: BaseException | None) -> bool:
+    """Whether an error comes of Ctrl-C: a module that is interrupted in its import raises an error of its own."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def _show_warning(message: Warning | str, category: type[Warning], *place: object, **more: object) -> None:
@@ -142,7 +185,7 @@ def _open_streams() -> None:
 
 def _usage_line(error: click.ClickException) -> str:
     """The error in one line; a usage error refers to --help."""
-    ctx = getattr(error, "ctx", None)
+    ctx: click.Context | None = getattr(error, "ctx", None)
     command = ctx.command_path if ctx else "motionseek"
     message = _one_line(error.format_message()).rstrip(".")
     return (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -19,13 +20,32 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+
+class Number(click.FloatRange):
+    """A finite number in a range."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value} is no finite number", param, ctx)
+        return number
+
+
+class Count(click.IntRange):
+    """A whole number in a range."""
+
+    name = "whole number"
+
+
 as_json = click.option("--json", "as_json", is_flag=True, help="Print the result as one JSON document.")
 force = click.option("--force", is_flag=True, help="Overwrite an existing file.")
 hits = click.option(
     "-k",
     "k",
     metavar="N",
-    type=click.IntRange(1, 10_000),
+    type=Count(1, 10_000),
     default=10,
     show_default=True,
     help="Maximum number of hits.",
@@ -51,10 +71,10 @@ export_as = click.option(
     show_default=True,
     help="Format of the files of --export; .bvh keeps the rig of a source that has one.",
 )
-start = click.option("--start", type=click.FloatRange(min=0), help="Start of the span in seconds.")
+start = click.option("--start", type=Number(min=0), help="Start of the span in seconds.")
 fps = click.option(
     "--fps",
-    type=click.FloatRange(1, 10_000),
+    type=Number(1, 10_000),
     help="Frame rate of the file, overriding the one it states or was indexed with.",
 )
 model = click.option(
@@ -62,11 +82,11 @@ model = click.option(
 )
 AXES = ("x", "y", "z", "-x", "-y", "-z")
 up = click.option("--up", type=click.Choice(AXES), help="The axis of the file that is up, whatever it says.")
-end = click.option("--end", type=click.FloatRange(min=0), help="End of the span in seconds.")
+end = click.option("--end", type=Number(min=0), help="End of the span in seconds.")
 
 _FILTERS = (
-    click.option("--min-duration", type=click.FloatRange(min=0), metavar="S", help="Only clips of at least S seconds."),
-    click.option("--max-duration", type=click.FloatRange(min=0), metavar="S", help="Only clips of at most S seconds."),
+    click.option("--min-duration", type=Number(min=0), metavar="S", help="Only clips of at least S seconds."),
+    click.option("--max-duration", type=Number(min=0), metavar="S", help="Only clips of at most S seconds."),
     click.option("--path", metavar="PATTERN", help="Only clips whose path matches a glob, such as 'fights/*'."),
     click.option("--rig", metavar="NAME", help="Only clips with this rig."),
     click.option("--format", metavar="NAME", help="Only clips of this file format."),
@@ -85,6 +105,13 @@ def filters(command: F) -> F:
     return command
 
 
+def one_of(place: str | None, folder: str | None) -> str | None:
+    """What is given as FOLDER or by --library, which cannot be combined."""
+    if place is not None and folder is not None:
+        raise click.UsageError("FOLDER and --library cannot be combined")
+    return place or folder
+
+
 def library_of(place: str | None, folder: str | None) -> Path:
     """The library folder of a command that takes FOLDER or --library; see `search.cli.locate.locate`.
 
@@ -97,9 +124,7 @@ def library_of(place: str | None, folder: str | None) -> Path:
     from indexer.store.library_reader import library_folder
     from search.cli.locate import locate
 
-    if place is not None and folder is not None:
-        raise click.UsageError("FOLDER and --library cannot be combined")
-    given = locate(place or folder)
+    given = locate(one_of(place, folder))
     found = library_folder(given)
     if found is None:
         raise LibraryNotFound(f"{given}: no library here; make one with 'motionseek index {given}'")

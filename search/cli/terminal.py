@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.text import Text
 
+    from encoders.protocol import Encoder
     from indexer.store.stored_library import StoredLibrary
     from search.documents import Curve
     from search.hits import Hits
@@ -118,6 +119,18 @@ def hits(found: Hits, query: str, library: StoredLibrary | None = None, *, as_js
         note(f"{clip} {stale}")
     if found.nothing_matches:
         note("no good match; these are the nearest")
+
+
+def remark(sentences: Sequence[str], bundle: Encoder) -> None:
+    """Say what of the sentences is not understood: a slip, another language, words that were never learned."""
+    from search.query.wording import remark
+
+    known = (bundle.calibration or {}).get("words")
+    if known is None:
+        return
+    for sentence in sentences:
+        if said := remark(sentence, known):
+            note(said if len(sentences) == 1 else f"{sentence}: {said}")
 
 
 def note(line: str) -> None:

@@ -28,15 +28,21 @@ def lexicon(sentences: Iterable[str]) -> Words:
 
 def out_of_vocabulary_share(sentence: str, known: Words) -> float:
     """The share of a sentence's words, 0 to 1, that are in no form among the sorted known ones (W,); 1 if none."""
-    words = [word for word in _words(sentence) if word not in _STOP_WORDS]
-    return float(np.mean([not _is_known(word, known) for word in words])) if words else 1.0
+    words = content_words(sentence)
+    return float(np.mean([not is_known(word, known) for word in words])) if words else 1.0
+
+
+def content_words(sentence: str) -> list[str]:
+    """The words of a sentence in lower case, without stop words."""
+    return [word for word in _words(sentence) if word not in _STOP_WORDS]
 
 
 def _words(sentence: str) -> list[str]:
     return _WORD.findall(sentence.lower())
 
 
-def _is_known(word: str, known: Words) -> bool:
+def is_known(word: str, known: Words) -> bool:
+    """Whether a word is, in any form, among the sorted known ones (W,)."""
     forms = np.array(list(_forms(word)))
     places = np.minimum(np.searchsorted(known, forms), len(known) - 1)
     return len(known) > 0 and bool((known[places] == forms).any())

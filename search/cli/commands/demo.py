@@ -39,7 +39,7 @@ def demo(folder: Path | None, force: bool, as_json: bool) -> None:
     """
     from indexer.ingest import indexing
     from search.cli import terminal
-    from search.cli.commands.index import progress_bar
+    from search.cli.progress import progress_bar
     from search.library import Library
 
     if not (DATA / "demo.json").is_file():

@@ -15,7 +15,7 @@ from search.cli import options
     "-k",
     "k",
     metavar="N",
-    type=click.IntRange(1, 1000),
+    type=options.Count(1, 1000),
     default=5,
     show_default=True,
     help="Maximum number of sentences.",
@@ -45,10 +45,11 @@ def describe(
       motionseek describe long_take.bvh --start 12 --end 14.5 -k 3
     """
     from search.cli import terminal
+    from search.cli.progress import working
     from search.documents import description_document
     from search.ranking.description import describe_motion
 
-    with options.open_source(ref, folder, fps=fps, up=up) as (bundle, source, library):
+    with working("describing"), options.open_source(ref, folder, fps=fps, up=up) as (bundle, source, library):
         texts, _, vectors = library.caption_vectors() if library else ((), None, None)
         sentences = describe_motion(bundle, source.cut(start, end), k, texts, vectors)
     if as_json:

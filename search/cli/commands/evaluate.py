@@ -30,7 +30,7 @@ _SYNTHETIC = "synthetic takes"
 @click.option("--labelled", type=_FILE, help="Folder with labels.tsv and queries.tsv, for moments in joined clips.")
 @click.option("--segments", type=_FILE, help='Timed labels of takes: JSON, {trial: [{"start", "end", "label"}]}.')
 @click.option(
-    "--count", type=click.IntRange(1), help="Synthetic clips (4000; 300 for out-of-domain), or synthetic takes (300)."
+    "--count", type=options.Count(1), help="Synthetic clips (4000; 300 for out-of-domain), or synthetic takes (300)."
 )
 @options.model
 @options.as_json

@@ -16,7 +16,7 @@ from search.cli import options
 @options.end
 @click.option(
     "--fps",
-    type=click.FloatRange(1, 1000),
+    type=options.Number(1, 1000),
     help="Frame rate of OUT, such as 24, 30 or 60. [default: that of the source's rig, else 20]",
 )
 @click.option("--in-place", is_flag=True, help="Leave out the way travelled over the floor, as loops need it.")
@@ -57,12 +57,13 @@ def export(
       motionseek export '#17' kick.bvh --rig my_character.bvh
     """
     from search.cli import terminal
+    from search.cli.progress import working
     from search.export.cut import WRITERS, write_cut
 
     if out.suffix.lower() not in WRITERS:
         raise click.UsageError(f"{out}: unsupported format; use {', '.join(WRITERS)}")
     options.refuse_overwriting(out, force)
-    with options.open_source(ref, folder, up=up) as (_, source, _library):
+    with working(f"exporting {ref}"), options.open_source(ref, folder, up=up) as (_, source, _library):
         if source.file is not None and out.exists() and source.file.exists() and out.samefile(source.file):
             raise click.UsageError(f"{out} is the source file of the clip; choose another file")
         frames, fps = write_cut(source, out, start, end, fps=fps, in_place=in_place, rig=rig)

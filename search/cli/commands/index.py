@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import asdict
 from itertools import islice
 from pathlib import Path
@@ -30,8 +29,8 @@ _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 @click.option(
     "--library", "library", type=click.Path(file_okay=False), help="Store the library here instead of in FOLDER."
 )
-@click.option("--jobs", type=click.IntRange(1, 256), help="Number of reading processes. [default: one per core]")
-@click.option("--fps", type=click.FloatRange(1, 10_000), help="Frame rate of files that state none or a wrong one.")
+@click.option("--jobs", type=options.Count(1, 256), help="Number of reading processes. [default: one per core]")
+@click.option("--fps", type=options.Number(1, 10_000), help="Frame rate of files that state none or a wrong one.")
 @click.option("--up", type=click.Choice(options.AXES), help="The axis that is up in the files, whatever they say.")
 @click.option(
     "--joint-map",
@@ -73,6 +72,7 @@ def index(
     from indexer.ingest import indexing
     from search.cli import terminal
     from search.cli.locate import VARIABLE
+    from search.cli.progress import progress_bar
 
     for folder in folders:
         if os.path.isfile(folder):
@@ -114,24 +114,6 @@ def read_joint_map(path: Path) -> dict[str, str]:
     from indexer.argument_checks import checked_joint_map
 
     return checked_joint_map(options.read_object(path), str(path)) or {}
-
-
-@contextmanager
-def progress_bar() -> Iterator[Callable[[int, int, str], None]]:
-    """A progress bar with rate and remaining time; invisible unless stderr is a terminal."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
-        task = shown.add_task("", total=None, rate="")
-
-        def update(done: int, total: int, path: str) -> None:
-            speed = shown.tasks[0].speed
-            shown.update(task, completed=done, total=total, rate=f"{speed:.1f} files/s" if speed else "")
-
-        yield update
 
 
 def grouped(warnings: Sequence[tuple[str, str]]) -> list[str]:

@@ -15,24 +15,27 @@ if TYPE_CHECKING:
 
 
 @click.command()
+@click.argument("place", metavar="[FOLDER]", required=False, type=click.Path(exists=True, file_okay=False))
 @options.filters
 @options.library
 @options.as_json
-def list(folder: str | None, as_json: bool, **filters: Any) -> None:
-    """List the clips of the library in order of their numbers.
+def list(place: str | None, folder: str | None, as_json: bool, **filters: Any) -> None:
+    """List the clips of the library of FOLDER in order of their numbers.
+
+    Without FOLDER, lists those of the nearest library here or in a parent folder.
 
     When piped, each clip is one line of its number, root, path, duration, frame rate, format, rig and first caption,
     separated by tabs. A number such as '#12' names the clip in every other command.
 
     \b
     Examples:
-      motionseek list
+      motionseek list my_mocap/
       motionseek list --uncaptioned --min-duration 60
       motionseek list --json | jq -r '.clips[].absolute_path'
     """
     from search.cli import terminal
 
-    with options.open_library(folder) as library:
+    with options.open_library(options.one_of(place, folder)) as library:
         clips = _clips(library, filters)
         if as_json:
             found = [

@@ -33,15 +33,18 @@ def check(place: str | None, repair: bool, sources: bool, folder: str | None, as
     from indexer.maintenance import check as checks
     from indexer.maintenance.repair import repair as mend
     from search.cli import terminal
-    from search.cli.commands.index import progress_bar
+    from search.cli.progress import progress_bar, working
 
     library = options.library_of(place, folder)
-    found = checks.check(library, sources=sources)
+    with working("checking"):
+        found = checks.check(library, sources=sources)
     faults = found.faults
     if repair:
-        with progress_bar() as progress:
+        with progress_bar("clips") as progress:
             faults = mend(library, model_of(library, rebuild=True), progress=progress)
-        faults += checks.check(library, sources=True).faults if sources else []
+        if sources:
+            with working("checking again"):
+                faults += checks.check(library, sources=True).faults
     if as_json:
         terminal.document({"found": _records(found.faults), "left": _records(faults), "unchecked": found.unchecked})
         return int(bool(faults))

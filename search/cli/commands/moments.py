@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import click
 
 from search.cli import options
+from search.cli.sentence_command import SentenceCommand, quoted
 
 
-@click.command()
+@click.command(cls=SentenceCommand)
 @click.argument("sentence", required=False)
 @click.argument("ref", metavar="[CLIP]", required=False)
 @click.option("--then", "steps", metavar="SENTENCE", multiple=True, help="A step of a sequence; repeat for each step.")
@@ -65,6 +68,7 @@ def moments(
       motionseek moments "walks" --while "raises the right arm" long_take.bvh
     """
     from search.cli import terminal
+    from search.cli.progress import working
     from search.drawing.plots import plot_moments, refuse_format
     from search.query.filters import refuse_filters
     from search.query.question import Question
@@ -83,8 +87,10 @@ def moments(
         if up is not None:
             raise click.UsageError("--up needs a CLIP")
         with options.open_library(folder) as library:
-            found = library.answer(question, None, k, **filters)
+            with working("searching"):
+                found = library.answer(question, None, k, **filters)
             terminal.moments(question, found, library, as_json=as_json, filters=filters)
+            terminal.remark(question.sentences, library.bundle)
             options.export_hits(found, export_folder, export_format, library=library, force=force)
         return
 
@@ -92,17 +98,33 @@ def moments(
     from search.moments.queried_motion import QueriedMotion
 
     refuse_filters(filters)
-    with options.open_source(ref, folder, fps=fps, up=up) as (bundle, source, in_library):
-        motion = QueriedMotion(bundle, source, question.encode(bundle))
-        found = moments_of(motion, k)
-        curve = motion.curve()
+    with _quoting(sentence, ref), options.open_source(ref, folder, fps=fps, up=up) as (bundle, source, in_library):
+        with working(f"searching {source.path}"):
+            motion = QueriedMotion(bundle, source, question.encode(bundle))
+            found = moments_of(motion, k)
+            curve = motion.curve()
         if plot is not None:
             plot_moments(plot, question, source, found, *curve)
         width = shutil.get_terminal_size().columns
         terminal.moments(question, found, in_library, curve, as_json=as_json, width=width)
+        terminal.remark(question.sentences, bundle)
         options.export_hits(found, export_folder, export_format, library=in_library, fps=fps, up=up, force=force)
     if plot is not None:
         terminal.note(f"wrote {plot}")
+
+
+@contextmanager
+def _quoting(sentence: str | None, ref: str) -> Iterator[None]:
+    """Say to quote the sentence where what was taken for a clip may be its last word."""
+    from encoders.errors import UnknownClip
+
+    try:
+        yield
+    except UnknownClip as error:
+        if sentence is None or not ref.isalpha():
+            raise
+        line = quoted(click.get_current_context(), [sentence, ref])
+        raise UnknownClip(f"{error}; if it is part of the sentence, put that in quotes: {line}") from None
 
 
 def _sentence_and_clip(

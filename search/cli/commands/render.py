@@ -14,8 +14,8 @@ from search.cli import options
 @click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
 @options.start
 @options.end
-@click.option("--size", type=click.IntRange(64, 2160), default=480, show_default=True, help="Image height in pixels.")
-@click.option("--fps", type=click.FloatRange(1, 60), default=20, show_default=True, help="Frame rate of an animation.")
+@click.option("--size", type=options.Count(64, 2160), default=480, show_default=True, help="Image height in pixels.")
+@click.option("--fps", type=options.Number(1, 60), default=20, show_default=True, help="Frame rate of an animation.")
 @options.up
 @options.force
 @options.library
@@ -44,12 +44,13 @@ def render(
       motionseek render long_take.bvh strip.png
     """
     from search.cli import terminal
+    from search.cli.progress import working
     from search.drawing.film import WRITERS, write_picture
 
     if out.suffix.lower() not in WRITERS:
         raise click.UsageError(f"{out}: unsupported format; use {', '.join(WRITERS)}")
     options.refuse_overwriting(out, force)
-    with options.open_source(ref, folder, up=up) as (_, source, _library):
+    with working(f"rendering {ref}"), options.open_source(ref, folder, up=up) as (_, source, _library):
         frames = write_picture(source.cut(start, end), out, size=size, fps=fps)
     if as_json:
         terminal.document({"path": str(out), "source": source.path, "frames": frames})

@@ -8,9 +8,10 @@ from typing import Any
 import click
 
 from search.cli import options
+from search.cli.sentence_command import SentenceCommand
 
 
-@click.command()
+@click.command(cls=SentenceCommand)
 @click.argument("sentence")
 @options.hits
 @options.filters
@@ -39,11 +40,14 @@ def search(
       motionseek search "a cartwheel" -k 20 --export cartwheels
     """
     from search.cli import terminal
+    from search.cli.progress import working
 
     options.refuse_export(export_folder, force)
     with options.open_library(folder) as library:
-        found = library.search(sentence, k, **filters)
+        with working("searching"):
+            found = library.search(sentence, k, **filters)
         terminal.hits(found, sentence, library, as_json=as_json)
+        terminal.remark([sentence], library.bundle)
         if not found:
             terminal.note(terminal.no_clips(library, filters))
         options.export_hits(found, export_folder, export_format, library=library, force=force)

@@ -47,6 +47,7 @@ def segment(
       motionseek segment long_take.bvh --captions --json
     """
     from search.cli import terminal
+    from search.cli.progress import working
     from search.export.annotations import FORMATS, as_document
     from search.export.replacing import write_text
     from search.moments.segments import segment_motion
@@ -63,7 +64,7 @@ def segment(
         if write is None:
             raise click.UsageError(f"{out}: unsupported format; use {', '.join(FORMATS)}")
         options.refuse_overwriting(out, force)
-    with options.open_source(ref, folder, fps=fps, up=up) as (bundle, source, library):
+    with working("segmenting"), options.open_source(ref, folder, fps=fps, up=up) as (bundle, source, library):
         if captions:
             names = sorted(set(library.caption_vectors()[0])) if library else []
             if not names:

@@ -10,10 +10,12 @@ from urllib.parse import quote
 
 import click
 
+from search.cli import options
+
 
 @click.command()
 @click.argument("folder", required=False, type=click.Path(exists=True, file_okay=False))
-@click.option("--port", type=click.IntRange(1, 65535), help="Port to listen on. [default: 8420, or the next free one]")
+@click.option("--port", type=options.Count(1, 65535), help="Port to listen on. [default: 8420, or the next free one]")
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
 @click.option("--allow-host", "names", metavar="NAME", multiple=True, help="Accept requests to this host name, too.")
 @click.option(

@@ -43,11 +43,13 @@ def similar(
       motionseek similar long_take.bvh --start 12 --end 14.5 --moments
     """
     from search.cli import terminal
+    from search.cli.progress import working
     from search.references import find_source
 
     with options.open_library(folder) as library:
-        source = find_source(ref, library, fps=fps, up=up)
-        found = library.similar(source, k, start, end, moments=moments, **filters)
+        with working("comparing"):
+            source = find_source(ref, library, fps=fps, up=up)
+            found = library.similar(source, k, start, end, moments=moments, **filters)
         terminal.hits(found, ref, library, as_json=as_json)
         if not found:
             terminal.note(terminal.no_clips(library, filters))

@@ -26,9 +26,7 @@ def status(place: str | None, failed: bool, folder: str | None, as_json: bool) -
     """
     from search.cli import terminal
 
-    if place is not None and folder is not None:
-        raise click.UsageError("FOLDER and --library cannot be combined")
-    with options.open_library(place or folder) as library:
+    with options.open_library(options.one_of(place, folder)) as library:
         if failed:
             failures = library.failures()
             if as_json:

@@ -139,3 +139,29 @@ def test_a_text_file_that_is_no_list_of_captions_is_cut_off(tmp_path):
     warnings = []
     assert len(read_lines(tmp_path / "log.txt", warnings.append)) == 1000
     assert "only the first 1000 lines" in warnings[0]
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", "|"])
+def test_a_table_may_be_delimited_as_programs_export_it(table, delimiter):
+    lines = ["path,text,start,end", "a.bvh,waves,1.5,2.25"]
+    rows, warnings = table("\n".join(line.replace(",", delimiter) for line in lines))
+    assert (rows, warnings) == ([CaptionRow("a.bvh", "waves", 1.5, 2.25)], [])
+
+
+def test_a_comma_is_a_decimal_sign_between_semicolons(table):
+    rows, warnings = table("path;text;start;end\na.bvh;waves, then sits;1,5;2,25\n")
+    assert (rows, warnings) == ([CaptionRow("a.bvh", "waves, then sits", 1.5, 2.25)], [])
+
+
+def test_a_header_that_lacks_columns_is_quoted(table):
+    _, warnings = table("file;sentence\na.bvh;waves\n")
+    assert "path and text among them" in warnings[0]
+    assert "it says 'file;sentence'" in warnings[0]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
+def test_unicode_is_read_in_the_encodings_that_programs_write(tmp_path, encoding):
+    mark = "\ufeff" if encoding in ("utf-16-le", "utf-16-be") else ""
+    (tmp_path / "captions.csv").write_bytes(f"{mark}path,text\ngröße.bvh,übt\n".encode(encoding))
+    rows = read_table(tmp_path / "captions.csv", "", pytest.fail)
+    assert rows == [CaptionRow("größe.bvh", "übt", None, None)]

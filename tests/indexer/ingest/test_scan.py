@@ -137,3 +137,10 @@ def test_captions_beside_a_motion_go_by_its_name_however_that_is_encoded(root):
     (root / normalize("NFC", "Läufer.txt")).write_text("a person runs")
     folder = walk(root).folders[0]
     assert [about for _, about in folder.side_files(folder.motions())] == [[normalize("NFD", "Läufer.npy")]]
+
+
+def test_archives_that_are_not_looked_into_are_counted(tmp_path):
+    for name in ("a.tar.gz", "b.7z", "c.RAR", "d.zip.txt"):
+        (tmp_path / name).write_bytes(b"x")
+    (warning,) = walk(tmp_path).warnings
+    assert "3 packed files are not read; unpack them, or pack them as .zip; such as a.tar.gz" in warning

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import click
+import numpy as np
 import pytest
 
 from search.cli.main import COMMANDS, cli
@@ -215,6 +218,7 @@ def _python(*arguments: str, **more: str) -> subprocess.CompletedProcess[str]:
 
 BLOCKED = """
 import sys
+import time
 class Block:
     def find_spec(self, name, path=None, target=None):
         if name.split(".")[0] == "torch":
@@ -245,6 +249,7 @@ def test_no_command_loads_torch(indexed: Path, tiny_bundle: Path, tmp_path: Path
         ["render", "take 3", str(tmp_path / "x.gif"), "--size", "64", *library],
         ["status", *library],
         ["list", *library],
+        ["tag", "take 3", "--star", *library],
         ["check", *library],
         ["forget", "--gone", *library],
         ["model", "info"],
@@ -295,3 +300,49 @@ def test_a_reader_that_goes_away_is_no_error(indexed: Path, arguments: list[str]
     with process.stderr as err:
         assert err.read() == ""
     assert process.wait() == 141
+
+
+@pytest.mark.parametrize(
+    ("arguments", "advice"),
+    [
+        (["search", "walk", "forward"], 'motionseek search "walk forward"'),
+        (["search", "walk", "forward", "-k", "3"], 'motionseek search "walk forward"'),
+        (["moments", "walk", "forward", "take.npy"], 'motionseek moments "walk forward" take.npy'),
+        (["--json", "search", "walks"], "options come after the command"),
+        (["find", "a person walks"], "did you mean 'search'?"),
+        (["search", "walks", "--min-duration", "nan"], "'--min-duration': nan is no finite number"),
+        (["search", "walks", "--max-duration", "inf"], "'--max-duration': inf is no finite number"),
+        (["search", "walks", "-k", "1.5"], "'-k': '1.5' is not a valid whole number"),
+        (["index", ".", "--fps", "nan"], "'--fps': nan is no finite number"),
+        (["describe", "x.bvh", "--start", "1e999"], "'--start': 1e999 is no finite number"),
+    ],
+)
+def test_wrong_usage_gets_the_advice_that_fits(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], advice: str
+) -> None:
+    (tmp_path / "take.npy").touch()
+    monkeypatch.chdir(tmp_path)
+    ran = run(*arguments)
+    assert ran.code == 2
+    assert advice in ran.err
+    assert ran.err.count("\n") == 1
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals")
+@pytest.mark.parametrize("delay", [0.0, 0.1, 0.25])
+def test_an_interrupt_is_one_line_at_any_time(delay: float, tmp_path: Path) -> None:
+    np.save(tmp_path / "take.npy", np.zeros((100_000, 22, 3), np.float32))
+    program = "import motionseek_main; print('begun', flush=True); motionseek_main.main()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, "describe", str(tmp_path / "take.npy")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    process.stdout.readline()
+    time.sleep(delay)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert err == "motionseek: interrupted\n"

@@ -115,7 +115,7 @@ def _listed(known: KnownModel) -> dict[str, Any]:
 @click.option("--captions", type=_FILE, help="Their captions, JSON lines.")
 @click.option("--labelled", type=_FOLDER, help="Folder with labels.tsv and queries.tsv.")
 @click.option(
-    "--count", type=click.IntRange(64), default=4000, show_default=True, help="Synthetic clips in the gallery."
+    "--count", type=options.Count(64), default=4000, show_default=True, help="Synthetic clips in the gallery."
 )
 @options.force
 def card(

@@ -32,8 +32,8 @@ _AUGMENTED = 1500
 
 @click.command()
 @click.argument("run", type=click.Path(file_okay=False, path_type=Path))
-@click.option("--synthetic", type=click.IntRange(1000), default=32_500, show_default=True, help="Synthetic clips.")
-@click.option("--gaits", type=click.FloatRange(0, 1), default=0.0, help="Share of them that show locomotion alone.")
+@click.option("--synthetic", type=options.Count(1000), default=32_500, show_default=True, help="Synthetic clips.")
+@click.option("--gaits", type=options.Number(0, 1), default=0.0, help="Share of them that show locomotion alone.")
 @click.option("--real", type=_FOLDER, help="Folder of captioned takes with a manifest.tsv.")
 @click.option("--captions", type=_FILE, help="Their captions, JSON lines.")
 @click.option("--sentences", type=_FILE, help="Human sentences that synthetic clips act out, one a line.")
@@ -46,11 +46,11 @@ _AUGMENTED = 1500
     multiple=True,
     help="Bundle, or runs to average, whose weights a new run begins with.",
 )
-@click.option("--steps", type=click.IntRange(0), help="Training steps; 0: head fine-tuning alone.")
+@click.option("--steps", type=options.Count(0), help="Training steps; 0: head fine-tuning alone.")
 @click.option(
     "--minutes", type=click.FloatRange(min=0), default=float("inf"), help="Stop after so long; run again to resume."
 )
-@click.option("--jobs", type=click.IntRange(1), help="Processes that synthesise clips; one a core by default.")
+@click.option("--jobs", type=options.Count(1), help="Processes that synthesise clips; one a core by default.")
 def train(
     run: Path,
     synthetic: int,
