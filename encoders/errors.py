@@ -8,6 +8,12 @@ MotionSeekError
 │   ├── LibraryLocked      another process is writing it
 │   ├── LibraryDamaged     its files are corrupt or incomplete
 │   └── UnknownClip        it has no such clip
+├── DatasetError           a captioned data set that cannot be used
+│   ├── MissingSplit       it has no such split
+│   ├── MissingMotion      a motion that it names is not there
+│   ├── WrongFeatureSize   a motion has other features than the model reads
+│   ├── NotFinite          a motion holds values that are no numbers
+│   └── WrongFrameRate     its motions have another frame rate
 ├── BundleError            a model bundle that is missing or damaged
 ├── BundleMismatch         a library made with another model
 ├── QueryError             a query that cannot be answered
@@ -76,6 +82,30 @@ class LibraryDamaged(LibraryError):
 
 class UnknownClip(LibraryError):
     """A reference names no clip of the library, or more than one."""
+
+
+class DatasetError(MotionSeekError):
+    """A captioned data set cannot be used; the subclasses name the cause."""
+
+
+class MissingSplit(DatasetError):
+    """A data set has no split of that name."""
+
+
+class MissingMotion(DatasetError):
+    """A motion that a data set names is not in its folder."""
+
+
+class WrongFeatureSize(DatasetError):
+    """A motion of a data set has other features than the model reads."""
+
+
+class NotFinite(DatasetError):
+    """A motion of a data set holds values that are no numbers."""
+
+
+class WrongFrameRate(DatasetError):
+    """The motions of a data set have another frame rate than the model reads."""
 
 
 class BundleError(MotionSeekError):

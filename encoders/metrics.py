@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 RECALLS = (1, 2, 3, 5, 10)
 
 
-def ranks(similarity: ArrayLike, right: ArrayLike | None = None) -> NDArray[np.float64]:
+def ranks(similarity: ArrayLike, right: ArrayLike | None = None, *, right_ties: bool = True) -> NDArray[np.float64]:
     """0-based rank of the best right item of each query.
 
     Parameters
@@ -21,6 +21,9 @@ def ranks(similarity: ArrayLike, right: ArrayLike | None = None) -> NDArray[np.f
         Higher is nearer.
     right : bool array (Q, N), optional
         Which items are right; the diagonal if not given.
+    right_ties : bool
+        Whether a tie with another right item takes places, as in TMR's published evaluation. Without, only ties with
+        wrong items do.
 
     Returns
     -------
@@ -46,7 +49,8 @@ def ranks(similarity: ArrayLike, right: ArrayLike | None = None) -> NDArray[np.f
     if right is None and not np.isfinite(best).all():
         raise ValueError("similarity of a right pair must be finite")
     above = (s > best[:, None]).sum(axis=1)
-    level = (s == best[:, None]).sum(axis=1)
+    tied = s == best[:, None]
+    level = tied.sum(axis=1) if right is None or right_ties else 1 + (tied & ~mask).sum(axis=1)
     return np.where(np.isnan(best), np.nan, above + (level - 1) / 2)
 
 
@@ -70,15 +74,19 @@ def text_motion(similarity: ArrayLike, right: ArrayLike | None = None) -> dict[s
     }
 
 
+def batch_orders(count: int, size: int = 32, seed: int = 0) -> list[NDArray[np.int64]]:
+    """Random galleries of `size` of `count` items, as indices; the incomplete last one is dropped (Guo's protocol)."""
+    order = np.arange(count)
+    np.random.RandomState(seed).shuffle(order)
+    return [order[i : i + size] for i in range(0, count - size + 1, size)]
+
+
 def in_batches(similarity: ArrayLike, size: int = 32, seed: int = 0) -> dict[str, dict[str, float]]:
-    """`text_motion` averaged over random galleries of `size`; the incomplete last batch is dropped (Guo's protocol)."""
+    """`text_motion` averaged over random galleries of `size`, see `batch_orders`."""
     s = np.asarray(similarity, dtype=np.float64)
     if len(s) < size:
         raise ValueError(f"{len(s)} pairs are fewer than one batch of {size}")
-    order = np.arange(len(s))
-    np.random.RandomState(seed).shuffle(order)
-    batches = [order[i : i + size] for i in range(0, len(order) - size + 1, size)]
-    rows = [text_motion(s[np.ix_(b, b)]) for b in batches]
+    rows = [text_motion(s[np.ix_(b, b)]) for b in batch_orders(len(s), size, seed)]
     return {
         way: {key: float(np.mean([row[way][key] for row in rows])) for key in rows[0][way]}
         for way in ("text->motion", "motion->text")

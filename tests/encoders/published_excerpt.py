@@ -62,6 +62,21 @@ def retrieval(golden: Path) -> None:
     (OUT / "published_retrieval.json").write_text(json.dumps(kept) + "\n")
 
 
+def protocols(golden: Path) -> None:
+    """The similarities of the published run on its test split, and its metrics of the four protocols."""
+    with np.load(golden / "retrieval_metrics_run.npz") as arrays:
+        keys, sentences = arrays["normal/keyids"].tolist(), arrays["normal/sent_emb"]
+        similar = sentences @ sentences.T > 0.9
+        subset = [keys.index(key) for key in arrays["nsim/keyids"]]
+        kept = {"similarity": arrays["normal/sim"], "similar": similar, "keys": arrays["normal/keyids"]}
+    np.savez_compressed(OUT / "published_protocols.npz", **kept, subset=np.array(subset))
+    items = json.loads((golden / "published_dataset_items.json").read_text())["test"]
+    wanted = json.loads((golden / "retrieval_metrics_run.json").read_text())
+    assert [item["keyid"] for item in items] == keys
+    document = {"captions": [item["text"] for item in items], "metrics": wanted}
+    (OUT / "published_protocols.json").write_text(json.dumps(document) + "\n")
+
+
 def features(golden: Path) -> None:
     """The special cases: three frames, mirroring, exactly opposite bones; some rows of each."""
     path = OUT / "humanml3d_features.npz"
@@ -88,4 +103,5 @@ if __name__ == "__main__":
     weights(source / "published_run")
     losses(source)
     retrieval(source)
+    protocols(source)
     features(source)

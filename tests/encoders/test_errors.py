@@ -14,6 +14,8 @@ ERRORS = [
         kind("what is wrong")
         for kind in (
             errors.LibraryNotFound, errors.LibraryLocked, errors.LibraryDamaged, errors.UnknownClip,
+            errors.DatasetError, errors.MissingSplit, errors.MissingMotion, errors.WrongFeatureSize,
+            errors.NotFinite, errors.WrongFrameRate,
             errors.BundleError, errors.BundleMismatch, errors.QueryError, errors.ArgumentError, errors.MissingProgram,
         )
     ),
@@ -35,6 +37,16 @@ def test_errors_survive_pickling_and_share_a_base(error):
         (errors.LibraryLocked, errors.LibraryError),
         (errors.LibraryDamaged, errors.LibraryError),
         (errors.UnknownClip, errors.LibraryError),
+        *(
+            (kind, errors.DatasetError)
+            for kind in (
+                errors.MissingSplit,
+                errors.MissingMotion,
+                errors.WrongFeatureSize,
+                errors.NotFinite,
+                errors.WrongFrameRate,
+            )
+        ),
         (errors.ArgumentError, errors.QueryError),
         (errors.UnknownRig, errors.UnreadableMotion),
     ],

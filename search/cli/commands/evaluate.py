@@ -13,47 +13,66 @@ from search.cli import options
 if TYPE_CHECKING:
     from encoders.protocol import Encoder
 
-_PROTOCOLS = ("labels", "captions", "corpus", "out-of-domain", "moments")
+_PROTOCOLS = ("retrieval", "labels", "captions", "corpus", "out-of-domain", "moments")
+_FORMATS = ("table", "json", "csv", "latex")
 _FILE = click.Path(path_type=Path)
+_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
 _SYNTHETIC = "synthetic takes"
 
 
 @click.command()
 @click.argument("folder", required=False, type=click.Path(exists=True, file_okay=False, path_type=Path))
 @click.option(
-    "--protocol", type=click.Choice(_PROTOCOLS), default="labels", show_default=True, help="What is measured."
+    "--protocol",
+    type=click.Choice(_PROTOCOLS),
+    help="What is measured. [default: retrieval where FOLDER is a captioned data set, else labels]",
 )
 @click.option("--labels", type=_FILE, default=Path("labels.tsv"), help="Table with columns path and label.")
 @click.option("--queries", type=_FILE, default=Path("queries.tsv"), help="Table with columns label and query.")
 @click.option("--captions", type=_FILE, help="JSON lines with trial, start_frame, end_frame, fps, captions, split.")
-@click.option("--split", default="val", show_default=True, help="Split of the captioned takes.")
+@click.option("--split", help="Split of the data set (test; for moments and captioned takes val).")
 @click.option("--labelled", type=_FILE, help="Folder with labels.tsv and queries.tsv, for moments in joined clips.")
 @click.option("--segments", type=_FILE, help='Timed labels of takes: JSON, {trial: [{"start", "end", "label"}]}.')
 @click.option(
     "--count", type=options.Count(1), help="Synthetic clips (4000; 300 for out-of-domain), or synthetic takes (300)."
 )
 @options.model
+@click.option("--run", type=_FOLDER, help="A run directory of TMR, in place of --model; needs the extra train.")
+@click.option("--stats", type=_FOLDER, help="Folder with the mean.pt and std.pt of --run.")
+@click.option("--motions", type=_FOLDER, help="Folder of the data set's motions.")
+@options.fps
+@click.option("--language-model", metavar="NAME|DIR", help="Of --run: stored token features, or a model's folder.")
+@click.option("--sentence-model", metavar="NAME|DIR", help="Of sentence similarity: stored, or a model's folder.")
+@click.option("--format", "format", type=click.Choice(_FORMATS), default="table", help="Of retrieval's figures.")
 @options.as_json
 def evaluate(
     folder: Path | None,
-    protocol: str,
+    protocol: str | None,
     labels: Path,
     queries: Path,
     captions: Path | None,
-    split: str,
+    split: str | None,
     labelled: Path | None,
     segments: Path | None,
     count: int | None,
     model: str | None,
+    run: Path | None,
+    stats: Path | None,
+    motions: Path | None,
+    fps: float | None,
+    language_model: str | None,
+    sentence_model: str | None,
+    format: str,
     as_json: bool,
 ) -> None:
-    """Evaluate the model on an archive of yours in FOLDER, or on synthetic motion.
+    """Evaluate the model on a captioned data set or an archive of yours in FOLDER, or on synthetic motion.
 
     Moments are searched in synthetic takes of held-out actions; with FOLDER and --captions in a third as many takes
     joined from its clips (and those of --labelled) and for captions of parts; with --segments for timed labels.
 
     \b
     Protocols:
+      retrieval      the TMR paper's four protocols on a data set with annotations.json
       labels         average precision of each label's queries among the labelled clips of FOLDER
       captions       rank of the best file for each description in FOLDER's manifest.tsv and each caption
       corpus         retrieval among synthetic clips held out of training
@@ -62,24 +81,35 @@ def evaluate(
 
     \b
     Examples:
+      motionseek evaluate datasets/ --split test --format latex
       motionseek evaluate my_mocap/ --labels labels.tsv --queries queries.tsv
       motionseek evaluate data/mocap --protocol captions --captions captions.jsonl
       motionseek evaluate --protocol corpus --count 1000
       motionseek evaluate data/mocap --protocol moments --captions captions.jsonl --count 50
     """
     from encoders.bundle.known_models import load_model
+    from indexer.datasets.captioned_dataset import is_dataset
+    from search.cli.dataset_evaluation import DatasetChoice, print_retrieval
 
+    is_set = folder is not None and is_dataset(folder)
+    protocol = protocol or ("retrieval" if is_set or run else "labels")
+    if run is not None and (protocol != "retrieval" or model is not None):
+        raise click.UsageError("--run is for --protocol retrieval, in place of --model")
     bundle = load_model(model)
-    if protocol == "labels":
+    if protocol == "retrieval":
+        place_of_set = _required(folder, protocol)
+        choice = DatasetChoice(place_of_set, split or "test", motions, fps, sentence_model, language_model, stats)
+        print_retrieval(choice, bundle, run, "json" if as_json else format)
+    elif protocol == "labels":
         _labels(_required(folder, protocol), labels, queries, bundle, as_json)
     elif protocol == "captions":
         if captions is None:
             raise QueryError("--protocol captions needs --captions FILE")
-        _captions(_required(folder, protocol), captions, split, bundle, as_json)
+        _captions(_required(folder, protocol), captions, split or "val", bundle, as_json)
     elif protocol == "corpus":
         _show(_corpus(count or 4000, bundle), as_json)
     elif protocol == "moments":
-        _moments(count or 300, folder, captions, split, labelled, segments, bundle, as_json)
+        _moments(count or 300, folder, captions, split or "val", labelled, segments, bundle, as_json)
     else:
         _show({"out of domain": _out_of_domain(count or 300, bundle)}, as_json)
 

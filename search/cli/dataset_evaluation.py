@@ -1,0 +1,175 @@
+"""What `motionseek evaluate` does with a captioned data set: find its parts, the model's and the sentences', and print.
+
+A bundle encodes captions itself. A run directory has no language model: its tokens come from the data set's stored
+features, or from a language model in a folder.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from encoders.errors import BundleError, QueryError
+from encoders.features.registry import FeatureKind, feature_kind
+from search.cli import terminal
+from search.evaluate.retrieval import retrieval_tables
+from search.evaluate.retrieval.dataset_retrieval import EvaluatedModel, SentenceSimilarity, evaluate_dataset
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from encoders.protocol import Encoder
+    from encoders.tmr.text.language_model import LanguageModel
+    from indexer.datasets.captioned_dataset import CaptionedDataset
+
+_EVERY = 1024
+
+
+@dataclass(frozen=True)
+class DatasetChoice:
+    """The data set, and what of it was named on the command line.
+
+    Attributes
+    ----------
+    sentence_model, language_model : str or None
+        The name of stored embeddings, or a folder with a language model.
+    """
+
+    place: Path
+    split: str
+    motions: Path | None = None
+    fps: float | None = None
+    sentence_model: str | None = None
+    language_model: str | None = None
+    stats: Path | None = None
+
+    def open(self, kind: FeatureKind) -> CaptionedDataset:
+        """The data set, its motions as features of a kind."""
+        from indexer.datasets.captioned_dataset import CaptionedDataset
+
+        return CaptionedDataset.open(self.place, kind, motions=self.motions, fps=self.fps)
+
+
+def print_retrieval(choice: DatasetChoice, encoder: Encoder | None, run: Path | None, format: str) -> None:
+    """Evaluate an encoder, or a run, and print the report."""
+    if run is not None:
+        dataset, model = _of_run(choice, run)
+    else:
+        assert encoder is not None
+        dataset, model = choice.open(kind_of(encoder)), EvaluatedModel.of_encoder(encoder)
+    report = evaluate_dataset(dataset, choice.split, model, sentence_model(dataset, choice), progress=_progress)
+    if format == "json":
+        terminal.document(report.as_dict())
+    elif format == "csv":
+        print(retrieval_tables.as_csv(report), end="")
+    elif format == "latex":
+        print(retrieval_tables.as_latex(report), end="")
+    else:
+        terminal.table(
+            retrieval_tables.COLUMNS,
+            retrieval_tables.table_rows(report),
+            right=("gallery", *retrieval_tables.FIGURES),
+        )
+        for line in retrieval_tables.summary(report):
+            terminal.note(line)
+
+
+def kind_of(encoder: Encoder) -> FeatureKind:
+    """The feature kind of an encoder; of one that alone knows its features, a kind that no array is of."""
+    try:
+        return feature_kind(encoder.feature_kind)
+    except BundleError:
+        return FeatureKind(encoder.feature_kind, 0, encoder.fps, encoder.features)
+
+
+def sentence_model(dataset: CaptionedDataset, choice: DatasetChoice) -> SentenceSimilarity | None:
+    """Sentence embeddings for the threshold: those named, else stored ones, else the packaged language model's.
+
+    Raises
+    ------
+    QueryError
+        If what is named is neither stored nor a folder.
+    """
+    from indexer.datasets.text_embeddings import StoredSentences
+
+    named = choice.sentence_model
+    if named is not None and Path(named).is_dir():
+        language = _language(Path(named))
+        return SentenceSimilarity(language.name, language.embed)
+    stored = StoredSentences.open(dataset.folder, named)
+    texts = [entry.captions[0].text for entry in dataset.split(choice.split)]
+    if stored is not None and stored.has(texts):
+        return SentenceSimilarity(stored.name, stored.rows)
+    if named is not None:
+        what = "lack sentences of this split" if stored is not None else "are not there"
+        raise QueryError(f"{dataset.folder}: sentence embeddings by {named!r} {what}, and {named!r} is no folder")
+    if not all(find_spec(name) for name in ("torch", "safetensors")) or not _has_packaged_model():
+        return None
+    language = _language(None)
+    return SentenceSimilarity(language.name, language.embed)
+
+
+def _of_run(choice: DatasetChoice, run: Path) -> tuple[CaptionedDataset, EvaluatedModel]:
+    from encoders.tmr.conversion.run_encoder import RunEncoder, read_inputs
+
+    inputs = read_inputs(run)
+    dataset = choice.open(feature_kind(inputs.feature_kind))
+    stats = choice.stats or (run / "stats" if (run / "stats").is_dir() else dataset.stats)
+    if stats is None:
+        raise QueryError(f"{run}: its statistics (mean.pt and std.pt) are not known; name their folder with --stats")
+    encoder = RunEncoder.load(run, stats)
+    tokens = token_features(dataset, choice.language_model or inputs.language_model)
+
+    def encode(captions: list[str]) -> NDArray[np.float32]:
+        return encoder.encode_token_features(tokens(captions))
+
+    return dataset, EvaluatedModel(encoder.name, encoder.encode_features, encode)
+
+
+def token_features(dataset: CaptionedDataset, name: str) -> Callable[[Sequence[str]], Sequence[NDArray[np.floating]]]:
+    """Token features of sentences by a language model: a folder, the packaged model, or stored ones.
+
+    Raises
+    ------
+    QueryError
+        If they are none of these.
+    """
+    from encoders.tmr.text.language_model import DEFAULT
+    from indexer.datasets.text_embeddings import StoredTokens
+
+    if Path(name).is_dir():
+        return _language(Path(name)).token_features
+    stored = StoredTokens.open(dataset.folder, name)
+    if stored is not None:
+        return stored.rows
+    if name == DEFAULT:
+        return _language(None).token_features
+    raise QueryError(
+        f"{dataset.folder}: holds no token features by {name!r}; give a folder that holds the model with "
+        "--language-model"
+    )
+
+
+def _language(folder: Path | None) -> LanguageModel:
+    from encoders.tmr.text.language_model import LanguageModel
+
+    return LanguageModel.load(folder)
+
+
+def _has_packaged_model() -> bool:
+    from encoders.tmr.text.language_model import packaged_folder
+
+    try:
+        packaged_folder()
+    except BundleError:
+        return False
+    return True
+
+
+def _progress(done: int, total: int) -> None:
+    if done % _EVERY == 0 and done < total:
+        terminal.note(f"{done} of {total} motions encoded")

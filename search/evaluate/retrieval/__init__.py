@@ -1,0 +1,1 @@
+"""Retrieval on captioned data sets by the protocols of the TMR paper."""

@@ -1,0 +1,138 @@
+"""`motionseek evaluate` on a captioned data set: every form of the figures, and every bad layout by its name."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.conftest import ROOT
+from tests.indexer.datasets.published_layout import write_dataset, write_embeddings
+from tests.search.conftest import Run, made_motion
+
+TEXTS = ("a man walks", "a man walks", "a person jumps", "someone sits")
+KEYS = [f"{i:06d}" for i in range(len(TEXTS))]
+
+
+@pytest.fixture
+def joints(tmp_path: Path) -> Path:
+    """A data set whose motions are joints, in a folder with a space in its name."""
+    root = tmp_path / "my sets"
+    write_dataset(root, {k: [(t, 0.0, 3.0)] for k, t in zip(KEYS, TEXTS, strict=True)}, {"test": KEYS})
+    for number, key in enumerate(KEYS):
+        np.save(root / "motions" / "guoh3dfeats" / "SYN" / f"{key}.npy", made_motion(3.0, number).joints)
+    write_embeddings(root / "annotations" / "toy", list(dict.fromkeys(TEXTS)), width=768)
+    return root
+
+
+def test_a_data_set_is_known_by_its_layout_and_printed_in_every_form(run: Run, joints: Path) -> None:
+    ran = run("evaluate", joints)
+    assert ran.code == 0, ran.err
+    lines = [line.split("\t") for line in ran.out.splitlines()]
+    assert len(lines) == 10
+    assert lines[0][:4] == ["all", "strict", "4", "text->motion"]
+    assert "sentence similarity: sentence-transformers/all-mpnet-base-v2" in ran.err
+    document = run("evaluate", joints, "--json").document
+    assert [f"{row[f'R@{k}']:.2f}" for row in [document["protocols"][0]["text->motion"]] for k in (1, 2, 3)] == lines[
+        0
+    ][4:7]
+    rows = list(csv.reader(io.StringIO(run("evaluate", joints, "--format", "csv").out)))
+    assert [row[5:] for row in rows[1:]] == lines
+    assert run("evaluate", joints, "--format", "latex").out.count(r"\\") == 5
+
+
+@pytest.mark.parametrize(
+    ("damage", "reason"),
+    [
+        (lambda root: (root / "annotations/toy/splits/test.txt").unlink(), "has no split 'test'"),
+        (lambda root: (root / "motions/guoh3dfeats/SYN/000002.npy").unlink(), "000002: is not there"),
+        (
+            lambda root: np.save(root / "motions/guoh3dfeats/SYN/000002.npy", np.zeros((60, 135))),
+            "has 135 numbers a frame",
+        ),
+        (
+            lambda root: np.save(root / "motions/guoh3dfeats/SYN/000002.npy", np.full((60, 22, 3), np.nan)),
+            "holds values that are no numbers",
+        ),
+        (lambda root: shutil.rmtree(root / "motions"), "no folder of motions"),
+        (lambda root: (root / "annotations/toy/annotations.json").write_text("{"), "cannot be read as annotations"),
+    ],
+)
+def test_a_bad_layout_is_one_line_that_says_which(run: Run, joints: Path, damage, reason: str) -> None:
+    damage(joints)
+    ran = run("evaluate", joints)
+    assert (ran.code, ran.out, ran.err.count("\n")) == (1, "", 1)
+    assert reason in ran.err
+
+
+def test_joints_at_another_frame_rate_are_told_and_read_once_it_is_given(run: Run, joints: Path) -> None:
+    for number, key in enumerate(KEYS):
+        motion = made_motion(4.5, number)
+        np.save(joints / "motions" / "guoh3dfeats" / "SYN" / f"{key}.npy", motion.joints)
+    ran = run("evaluate", joints)
+    assert (ran.code, ran.out) == (1, "")
+    assert "frames for each second" in ran.err
+    assert run("evaluate", joints, "--fps", 30).code == 0
+
+
+def test_a_folder_without_a_data_set_and_a_model_of_sentences_that_is_not_there(
+    run: Run, joints: Path, tmp_path: Path
+) -> None:
+    ran = run("evaluate", tmp_path, "--protocol", "retrieval")
+    assert (ran.code, ran.err.count("\n")) == (1, 1)
+    assert "holds no data set" in ran.err
+    ran = run("evaluate", joints, "--sentence-model", "mpent")
+    assert (ran.code, ran.err.count("\n")) == (2, 1)
+    assert "by 'mpent' are not there" in ran.err
+    assert run("evaluate", joints, "--run", joints, "--model", joints).code == 2
+
+
+@pytest.mark.torch
+def test_a_run_directory_is_evaluated_with_the_data_sets_token_features(run: Run, joints: Path, tmp_path: Path) -> None:
+    torch = pytest.importorskip("torch")
+    from encoders.tmr.conversion.from_published import read_config
+    from encoders.tmr.model.network import TMR
+
+    place = tmp_path / "a run"
+    (place / "last_weights").mkdir(parents=True)
+    config = json.loads((ROOT / "tests" / "data" / "published_config.json").read_text())
+    config["data"] = {
+        "motion_loader": {"nfeats": 263},
+        "text_to_token_emb": {"modelname": "distilbert-base-uncased"},
+    }
+    (place / "config.json").write_text(json.dumps(config))
+    torch.manual_seed(0)
+    network = TMR(read_config(place))
+    for name in ("motion_encoder", "text_encoder", "motion_decoder"):
+        torch.save(getattr(network, name).state_dict(), place / "last_weights" / f"{name}.pt")
+    ran = run("evaluate", joints, "--run", place)
+    assert (ran.code, ran.err.count("\n")) == (2, 1)
+    assert "--stats" in ran.err
+    stats = tmp_path / "stats"
+    stats.mkdir()
+    for name, value in (("mean", 0.0), ("std", 1.0)):
+        torch.save(torch.full((263,), value), stats / f"{name}.pt")
+    ran = run("evaluate", joints, "--run", place, "--stats", stats, "--json")
+    assert ran.code == 0, ran.err
+    assert (ran.document["model"], len(ran.document["protocols"])) == ("a run", 5)
+    ran = run("evaluate", joints, "--run", place, "--stats", stats, "--language-model", "bert")
+    assert "no token features by 'bert'" in ran.err
+
+
+def test_a_published_run_has_the_published_figures(run: Run, golden: Path) -> None:
+    pytest.importorskip("torch")
+    document = run("evaluate", golden / "published_dataset", "--run", golden / "published_run", "--json").document
+    wanted = json.loads((golden / "retrieval_metrics_run.json").read_text())
+    names = ("normal", None, "threshold_0.95", "nsim", None, "guo", None)
+    for row, name in zip(document["protocols"], names, strict=True):
+        if name is None:
+            continue
+        for way, short in (("text->motion", "t2m"), ("motion->text", "m2t")):
+            figures = [round(row[way][f"R@{k}"], 2) for k in (1, 2, 3, 5, 10)]
+            assert figures == [wanted[name][f"{short}/R{k:02d}"] for k in (1, 2, 3, 5, 10)]
+            assert round(row[way]["MedR"], 2) == wanted[name][f"{short}/MedR"]
