@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import Depends, Path, Query, Request
 from fastapi.dependencies.models import Dependant
@@ -17,6 +17,9 @@ Sentence = Annotated[str, Query(**_TEXT, description="A description of a motion 
 Sentences = Annotated[list[Annotated[str, Query(**_TEXT)]], Query(min_length=1, max_length=8)]
 #: A clip's number, or the key of an upload.
 ClipParam = Annotated[str, Query(pattern=_CLIP, description="A clip's number, or the key of an upload.")]
+ClipsParam = Annotated[
+    list[Annotated[str, Query(pattern=_CLIP)]], Query(max_length=200, description="Clips' numbers, or keys of uploads.")
+]
 ClipInPath = Annotated[str, Path(pattern=_CLIP, description="A clip's number, or the key of an upload.")]
 CountParam = Annotated[int, Query(ge=1, le=200, description="The number of results, at most.")]
 OffsetParam = Annotated[int, Query(ge=0, le=10_000, description="The number of results to skip.")]
@@ -25,6 +28,14 @@ ShortOffsetParam = Annotated[int, Query(ge=0, le=200, description="The number of
 _SECONDS = Query(ge=0, le=1e6, allow_inf_nan=False)
 Seconds = Annotated[float | None, _SECONDS]
 FileName = Annotated[str, Query(min_length=1, max_length=255, description="The file's name; its ending is used.")]
+
+#: OpenAPI: the body is a file.
+FILE_BODY: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
+    }
+}
 
 
 async def known_parameters(request: Request) -> None:

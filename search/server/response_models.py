@@ -110,6 +110,24 @@ class MotionsResponse(BaseModel):
     motions: list[MotionResponse]
 
 
+class ClipsResponse(BaseModel):
+    clips: list[int]
+
+
+class UploadsResponse(BaseModel):
+    motions: list[MotionResponse]
+
+
+class FormatModel(BaseModel):
+    ending: str
+    companion: str | None = Field(description="the ending of files beside it that it may need")
+    same_name: bool = Field(description="whether only a companion of the same name is one")
+
+
+class FormatsResponse(BaseModel):
+    formats: list[FormatModel]
+
+
 class SkeletonResponse(BaseModel):
     joints: list[str]
     parents: list[int]

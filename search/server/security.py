@@ -10,18 +10,20 @@ from collections.abc import Iterable
 from urllib.parse import parse_qs, urlencode
 
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.responses import RedirectResponse, Response
+from starlette.responses import FileResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from search.server.responses import error_response
+from search.server.static_page import FOLDER, MEDIA_TYPES
 
 #: Followed by the port: browsers send the cookies of all ports of a host to each of them.
 COOKIE = "motionseek_token_"
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 _ANYWHERE = ("0.0.0.0", "::", "")
 
-#: Needs no token: it tells nothing about the library, and monitoring polls it.
-_PUBLIC = "/healthz"
+#: Need no token, as they tell nothing about the library: what monitoring polls, and what the sign-in page is made of.
+_PUBLIC = {"/healthz", "/sign_in.js", "/style.css", "/icon.svg", "/vendor/inter/inter-latin-wght-normal.woff2"}
+_SIGN_IN = "/sign-in"
 
 _HOST = re.compile(r"(\[(?P<address>[0-9a-fA-F:.]+)\]|(?P<name>[^\s:/?#@\[\]\\]+))(:(?P<port>\d+))?")
 
@@ -88,11 +90,11 @@ class SecurityMiddleware:
             return error_response(421, "unknown host name; add it with --allow-host")
         if not _same_site(scope, headers):
             return error_response(403, "cross-origin request rejected; open this server's own page")
-        if self._token is None or scope["path"] == _PUBLIC or self._carries_token(headers):
+        if self._token is not None and scope["path"] == _SIGN_IN and scope["method"] == "POST" and _bearer(headers):
+            return self._signed_in(headers)
+        if self._token is None or scope["path"] in _PUBLIC or self._carries_token(headers):
             return None
-        return self._sign_in(scope, headers) or error_response(
-            401, "token missing or wrong; open /?token=TOKEN or send 'Authorization: Bearer TOKEN'"
-        )
+        return self._redirect(scope, headers) or _unauthorised(scope, headers)
 
     def _is_known_host(self, host: str) -> bool:
         """Whether a Host header names this server; another name is a sign of DNS rebinding."""
@@ -101,22 +103,44 @@ class SecurityMiddleware:
         return name in self._names or (self._any_address and _is_address(name))
 
     def _carries_token(self, headers: Headers) -> bool:
-        kind, _, given = headers.get("authorization", "").partition(" ")
-        bears = kind.lower() == "bearer" and self._is_token(given.strip())
-        return bears or hmac.compare_digest(_cookie(headers).encode(), self._cookie.encode())
+        return self._is_token(_bearer(headers)) or hmac.compare_digest(_cookie(headers).encode(), self._cookie.encode())
 
     def _is_token(self, given: str) -> bool:
         return self._token is not None and hmac.compare_digest(given.encode(), self._token.encode())
 
-    def _sign_in(self, scope: Scope, headers: Headers) -> Response | None:
+    def _redirect(self, scope: Scope, headers: Headers) -> Response | None:
         """A redirect to the page that replaces the token in its address by a cookie."""
         query = parse_qs(scope["query_string"].decode("latin-1"))
         if scope["path"] != "/" or not self._is_token(query.pop("token", [""])[0]):
             return None
         rest = urlencode(query, doseq=True)
         response = RedirectResponse("/" + (f"?{rest}" if rest else ""), 303, {"Cache-Control": "no-store"})
-        response.set_cookie(_cookie_name(headers), self._cookie, httponly=True, samesite="strict", path="/")
+        return self._with_cookie(response, headers)
+
+    def _signed_in(self, headers: Headers) -> Response:
+        """The answer to the sign-in page, which sends the token as any program does."""
+        if not self._is_token(_bearer(headers)):
+            return error_response(401, "this is not the token")
+        return self._with_cookie(Response(status_code=204, headers={"Cache-Control": "no-store"}), headers)
+
+    def _with_cookie(self, response: Response, headers: Headers) -> Response:
+        # Lax, not strict: it comes with a link on another site, and what other sites may not ask is refused anyway.
+        response.set_cookie(_cookie_name(headers), self._cookie, httponly=True, samesite="lax", path="/")
         return response
+
+
+def _unauthorised(scope: Scope, headers: Headers) -> Response:
+    """An error; for a browser that opens the page, a form that asks for the token and keeps the address."""
+    error = error_response(401, "token missing or wrong; open /?token=TOKEN or send 'Authorization: Bearer TOKEN'")
+    if scope["path"] != "/" or "text/html" not in headers.get("accept", ""):
+        return error
+    return FileResponse(FOLDER / "sign_in.html", 401, {"Cache-Control": "no-store"}, media_type=MEDIA_TYPES[".html"])
+
+
+def _bearer(headers: Headers) -> str:
+    """The token that a request carries in its head."""
+    kind, _, given = headers.get("authorization", "").partition(" ")
+    return given.strip() if kind.lower() == "bearer" else ""
 
 
 def _same_site(scope: Scope, headers: Headers) -> bool:

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import tempfile
+from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
 from starlette.background import BackgroundTask
+from starlette.exceptions import HTTPException
 
 from encoders.motion import FPS, Motion
 from encoders.skeleton import JOINTS, PARENTS
 from indexer.store.clips import Clip
-from indexer.store.marks.marks_table import NO_MARKS
 from search.export import joints_binary
 from search.export.cut import write_cut
+from search.query.filters import refuse_filters
 from search.server import response_models
 from search.server.app_state import AppState
 from search.server.exception_handlers import ANY, NO_CLIP, ok
-from search.server.parameters import ClipInPath, ClipParam, CountParam, FilterParams, SpanParams
+from search.server.parameters import ClipInPath, ClipParam, ClipsParam, CountParam, FilterParams, SpanParams
 from search.server.responses import json_response
 from search.server.uploads.upload_store import Upload
 from search.source import MotionSource
@@ -34,27 +36,49 @@ def routes(state: AppState) -> APIRouter:
     router = APIRouter(prefix="/api", tags=["motions"], default_response_class=Response, responses=ANY)
     library = state.library
 
-    def clip_document(clip: Clip) -> dict[str, Any]:
-        document = clip.document(library.captions(clip.id))
-        return {"clip": document.pop("id")} | document | library.marks(clip.id).document()
+    def document(clip: Clip | Upload) -> dict[str, Any]:
+        if isinstance(clip, Upload):
+            return clip.document()
+        found = clip.document(library.captions(clip.id))
+        return {"clip": found.pop("id")} | found | library.marks(clip.id).document()
+
+    def chosen(refs: list[str], shown: slice) -> Response:
+        found = []
+        for ref in refs[shown]:
+            with suppress(HTTPException):  # one that is gone meanwhile
+                found.append(document(state.clip(ref)))
+        return json_response({"total": len(refs), "motions": found})
 
     @router.get("/motions", responses=ok(response_models.MotionsResponse))
     def motions(
-        given: FilterParams, offset: Annotated[int, Query(ge=0, le=10**9)] = 0, limit: CountParam = 24
+        given: FilterParams,
+        clip: ClipsParam = [],  # noqa: B006
+        offset: Annotated[int, Query(ge=0, le=10**9)] = 0,
+        limit: CountParam = 24,
     ) -> Response:
-        """The clips of the library in order of their numbers, one page of them."""
+        """The clips of the library in order of their numbers, or those named by `clip` in that order, one page."""
         with library.reading():
+            if clip:
+                refuse_filters(given)
+                return chosen(clip, slice(offset, offset + limit))
             allowed = library.allowed(**given)
             ids = library.ids() if allowed is None else allowed
             clips = library.clips_by_id(ids[offset : offset + limit].tolist())
-            return json_response({"total": len(ids), "motions": [clip_document(clip) for clip in clips.values()]})
+            return json_response({"total": len(ids), "motions": [document(found) for found in clips.values()]})
+
+    @router.get("/clips", responses=ok(response_models.ClipsResponse))
+    def clips(given: FilterParams) -> Response:
+        """The numbers of all clips that pass the filters."""
+        with library.reading():
+            allowed = library.allowed(**given)
+            return json_response({"clips": (library.ids() if allowed is None else allowed).tolist()})
 
     @router.get("/motions/{clip}", responses=ok(response_models.MotionResponse) | NO_CLIP)
     def motion(clip: ClipInPath) -> Response:
         """The metadata of a motion."""
         with library.reading():
             found = state.clip(clip)
-            return json_response(_upload_document(found) if isinstance(found, Upload) else clip_document(found))
+            return json_response(document(found))
 
     @router.get("/motions/{clip}/joints", responses=_BYTES | NO_CLIP)
     def motion_joints(
@@ -120,25 +144,6 @@ def _write(
     """Write a span of a motion as a file; the motion's path."""
     write_cut(source, out, start, end, fps=fps, in_place=in_place)
     return source.path
-
-
-def _upload_document(upload: Upload) -> dict[str, Any]:
-    motion, path = upload.source.motion, upload.source.path
-    return {
-        "clip": upload.key,
-        "root": None,
-        "path": path,
-        "name": PurePosixPath(path).stem,
-        "duration": round(motion.duration, 3),
-        "fps": motion.fps,
-        "frames": len(motion),
-        "format": upload.format,
-        "rig": upload.rig,
-        "added": "",
-        **upload.source.reading.document(),
-        "captions": [],
-        **NO_MARKS.document(),
-    }
 
 
 def _file_name(stem: str, start: float | None, end: float | None, format: str) -> str:

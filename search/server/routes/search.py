@@ -17,6 +17,7 @@ from search.server import response_models
 from search.server.app_state import AppState
 from search.server.exception_handlers import ANY, NO_CLIP, UPLOAD, ok
 from search.server.parameters import (
+    FILE_BODY,
     ClipParam,
     CountParam,
     FileName,
@@ -31,12 +32,6 @@ from search.server.responses import bytes_response, to_json
 from search.server.snapshot_library import SearchRequest
 from search.source import MotionSource
 
-_BODY: dict[str, Any] = {
-    "requestBody": {
-        "required": True,
-        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
-    }
-}
 _Steps = Annotated[list[Sentence], Query(max_length=8)]
 
 
@@ -111,7 +106,7 @@ def routes(state: AppState) -> APIRouter:
         """The sentences that match a clip, or a span of it, best."""
         return bytes_response(await state.cached(_key(request), lambda: described(state.source(clip), clip, span, k)))
 
-    @router.post("/describe", openapi_extra=_BODY, responses=ok(response_models.DescribeResponse) | UPLOAD)
+    @router.post("/describe", openapi_extra=FILE_BODY, responses=ok(response_models.DescribeResponse) | UPLOAD)
     async def describe_upload(request: Request, name: FileName, span: SpanParams, k: CountParam = 5) -> Response:
         """The sentences that match an uploaded motion best."""
         upload = await state.uploads.receive(request, name)
@@ -146,7 +141,7 @@ def routes(state: AppState) -> APIRouter:
 
         return bytes_response(await state.cached(_key(request), make))
 
-    @router.post("/similar", openapi_extra=_BODY, responses=ok(response_models.SimilarResponse) | UPLOAD)
+    @router.post("/similar", openapi_extra=FILE_BODY, responses=ok(response_models.SimilarResponse) | UPLOAD)
     async def similar_upload(
         request: Request,
         name: FileName,

@@ -111,10 +111,28 @@ def test_a_link_with_the_token_becomes_a_cookie(served):
     assert (response.status_code, response.headers["location"]) == (303, "/?q=walks")
     cookie = response.headers["set-cookie"]
     assert "HttpOnly" in cookie
-    assert "SameSite=strict" in cookie
+    assert "SameSite=lax" in cookie
     assert client.get("/api/skeleton").status_code == 200, "the cookie is enough from then on"
     client.cookies.clear()
     assert client.get("/api/skeleton?token=" + TOKEN).status_code == 401, "only the page takes it from a link"
+
+
+def test_a_browser_without_the_token_is_asked_for_it_and_programs_get_an_error(served):
+    client = served(token=TOKEN)
+    asked = client.get(
+        "/", headers={"Accept": "text/html,*/*", "Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}
+    )
+    assert asked.status_code == 401
+    assert "<form" in asked.text
+    for part in ("/sign_in.js", "/style.css"):
+        assert client.get(part).status_code == 200
+    wrong = client.post("/sign-in", headers={"Authorization": "Bearer wrong"})
+    assert (wrong.status_code, list(wrong.json())) == (401, ["error"])
+    assert client.get("/api/skeleton").status_code == 401
+    assert client.post("/sign-in", headers={"Authorization": f"Bearer {TOKEN}"}).status_code == 204
+    assert client.get("/api/skeleton").status_code == 200, "the cookie is enough from then on"
+    elsewhere = {"Authorization": f"Bearer {TOKEN}", "Origin": "https://evil.example"}
+    assert client.post("/sign-in", headers=elsewhere).status_code == 403
 
 
 @pytest.mark.parametrize("others", ["a[b]=c", 'json={"a":1}', "a=b c", "\xfc=1", "=", "motionseek_token_9000=x"])

@@ -13,6 +13,7 @@ from starlette.exceptions import HTTPException
 from starlette.requests import Request
 
 from indexer.read_motion import ReadMotion
+from search.cli.commands.demo import DATA
 from search.export import bvh_writer, joints_binary
 from search.server.uploads import sandboxed_reader
 from search.server.uploads.upload_store import UploadLimits, UploadStore
@@ -156,7 +157,7 @@ def test_a_closed_connection_frees_its_slot():
 def test_only_some_uploads_are_read_at_once(monkeypatch):
     async def two() -> list[int]:
         uploads, codes = UploadStore(UploadLimits(at_once=1)), []
-        monkeypatch.setattr(uploads, "_read", lambda *_: time.sleep(0.3))
+        monkeypatch.setattr(uploads, "_read", lambda *_: [time.sleep(0.3)])
 
         async def one() -> None:
             try:
@@ -228,3 +229,40 @@ def test_the_longest_upload_is_two_hours(monkeypatch):
     monkeypatch.setattr(sandboxed_reader, "MAX_FRAMES", 59)
     with pytest.raises(MemoryError):
         sandboxed_reader.read("x.bvh")
+
+
+def test_a_motion_is_read_with_the_files_it_needs(client):
+    motion, skeleton = ((DATA / f"session_01.{ending}").read_bytes() for ending in ("amc", "asf"))
+    names = [("name", "shoot/session_01.amc"), ("name", "session_01.asf")]
+    sizes = [("size", len(motion)), ("size", len(skeleton))]
+    found = client.post("/api/uploads", params=names + sizes, content=motion + skeleton)
+    assert found.status_code == 200, found.text
+    (document,) = found.json()["motions"]
+    assert (document["path"], document["format"], document["source_fps"]) == ("shoot/session_01.amc", "amc", 120.0)
+    assert client.get(f"/api/motions/{document['clip']}").json() == document
+    chosen = client.get("/api/motions", params=[("clip", document["clip"]), ("clip", 1), ("clip", 999)]).json()
+    assert [motion["clip"] for motion in chosen["motions"]] == [document["clip"], 1]
+
+
+def test_all_motions_of_a_file_are_read(client, tmp_path):
+    joints = np.stack([made_motion(2.0, seed).joints for seed in (1, 2)])
+    np.savez(tmp_path / "two.npz", joints=joints, fps=20)
+    found = client.post("/api/uploads", params={"name": "two.npz"}, content=(tmp_path / "two.npz").read_bytes())
+    assert [motion["path"] for motion in found.json()["motions"]] == ["two.npz#1", "two.npz#2"]
+
+
+@pytest.mark.parametrize(
+    "params",
+    [
+        [("name", "x.bvh"), ("name", "y.bin")],
+        [("name", "x.bvh"), ("name", "x.bvh"), ("size", 1), ("size", 3)],
+        [("name", "x.bvh"), ("size", 3)],
+        [("name", "x.bvh"), ("size", 5)],
+        [("name", "x.bvh"), ("name", ".."), ("size", 2), ("size", 2)],
+        [],
+    ],
+)
+def test_files_that_do_not_fit_their_sizes_and_names_are_refused(client, params):
+    response = client.post("/api/uploads", params=params, content=b"HIER")
+    assert response.status_code == 422
+    assert "Expecting" not in response.json()["error"]
