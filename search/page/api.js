@@ -8,7 +8,7 @@ import { Motion } from "./motion.js";
  * @typedef {{rank: number, path: string, score: number, strength: string, start: number, end: number,
  *   duration: number, caption: string, clip: number | string, root: string | null,
  *   source_fps: number | null, first_frame: number | null, last_frame: number | null,
- *   stale: string | null}} Hit
+ *   stale: string | null, steps?: {text: string, score: number, start: number, end: number}[]}} Hit
  * @typedef {{text: string, start: number | null, end: number | null}} Caption
  * @typedef {{clip: number | string, root: string | null, path: string, name: string, duration: number, fps: number, frames: number,
  *   format: string, rig: string, added: string, start: number, source_fps: number | null, source_frames: number | null, captions?: Caption[]}} MotionInfo
@@ -46,6 +46,7 @@ async function request(url, options) {
     throw new ApiError("The server does not respond. Is motionseek serve still running?", 0);
   }
   if (response.ok) return response;
+  if (response.status === 401) throw new ApiError("Signed out: reload the page to sign in.", 401);
   const { error } = await response.json().catch(() => ({}));
   throw new ApiError(error ?? `The server responded with status ${response.status}.`, response.status);
 }
@@ -56,14 +57,14 @@ const requestJson = async (url, options) => (await request(url, options)).json()
 /** @param {AbortSignal} [signal] @returns {Promise<{query: string, hits: Hit[]}>} */
 export const search = (q, filters, k, offset, signal) => requestJson(address("search", { q, k, offset, ...filters }), { signal });
 
-/** Moments of the whole library. @param {AbortSignal} [signal] @returns {Promise<{hits: Hit[]}>} */
+/** Moments of the whole library. @param {AbortSignal} [signal] @returns {Promise<{hits: Hit[], sentences?: string[], how?: "then" | "while"}>} */
 export const moments = (q, filters, k, offset, signal) => requestJson(address("moments", { q, k, offset, ...filters }), { signal });
 
 /**
- * Moments of one clip, and its similarity to the sentence over time.
- * @returns {Promise<{hits: Hit[], curve: {times: number[], similarity: Record<string, number[]>}}>}
+ * Moments of one clip, and its similarity to the sentence over time; with `split` of the steps of the sentence.
+ * @returns {Promise<{hits: Hit[], sentences?: string[], curve: {times: number[], similarity: Record<string, number[]>}}>}
  */
-export const momentsIn = (clip, q, k) => requestJson(address("moments", { clip, q, k, split: false }));
+export const momentsIn = (clip, q, k, split = false) => requestJson(address("moments", { clip, q, k, split }));
 
 /** @returns {Promise<{sentences: {text: string, score: number}[]}>} */
 export const describe = (clip, start, end, k = 5) => requestJson(address("describe", { clip, start, end, k }));
@@ -75,17 +76,34 @@ export const similar = (clip, start, end, filters, k, offset, signal) =>
 /** @param {AbortSignal} [signal] @returns {Promise<{total: number, motions: MotionInfo[]}>} */
 export const motions = (filters, limit, offset, signal) => requestJson(address("motions", { limit, offset, ...filters }), { signal });
 
+/** Clips by their numbers or keys, those that are there. @param {string[]} clips @param {AbortSignal} [signal] @returns {Promise<MotionInfo[]>} */
+export const motionsOf = async (clips, signal) =>
+  clips.length ? (await requestJson(address("motions", { clip: clips, limit: 200 }), { signal })).motions : [];
+
+/** The numbers of all clips that pass the filters. @returns {Promise<number[]>} */
+export const clips = async (filters) => (await requestJson(address("clips", filters))).clips;
+
 /** @returns {Promise<MotionInfo>} */
 export const motion = (clip) => requestJson(address(`motions/${clip}`));
 
-/** @returns {Promise<MapData>} */
+/** The map, or how far its layout is. @returns {Promise<MapData | {progress: number, count: number}>} */
 export const map = () => requestJson(address("map"));
 
 /** @returns {Promise<Record<string, any>>} */
 export const stats = () => requestJson(address("stats"));
 
-/** Upload a file; `clip` in the response names it from then on. @param {File} file @returns {Promise<{clip: string}>} */
-export const upload = (file) => requestJson(address("describe", { name: file.name }), { method: "POST", body: file });
+/** What files can be read, and what they need beside them. @returns {Promise<import("./drop.js").Format[]>} */
+export const formats = async () => (await requestJson(address("formats"))).formats;
+
+/**
+ * Upload a motion with the files it needs; `clip` of each motion in the response names it from then on.
+ * @param {string} name @param {File[]} files the motion first @returns {Promise<MotionInfo[]>}
+ */
+export const upload = async (name, [motion, ...others]) => {
+  const files = [motion, ...others];
+  const parameters = { name: [name, ...others.map((file) => file.name)], size: files.map((file) => file.size) };
+  return (await requestJson(address("uploads", parameters), { method: "POST", body: new Blob(files) })).motions;
+};
 
 /** The URL of a cut as a file. */
 export const exportAddress = (clip, start, end, format) => address("export", { clip, start, end, format });

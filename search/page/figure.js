@@ -138,8 +138,12 @@ export class Figure {
   }
 
   dispose() {
-    // The attributes of the base geometry are shared; only this figure's own are disposed of.
-    for (const part of this.meshes.slice(1)) part.geometry.dispose();
+    // What all figures share is taken off first: a geometry takes its attributes from the graphics card with it.
+    for (const { geometry } of this.meshes.slice(1)) {
+      geometry.index = null;
+      geometry.deleteAttribute("position");
+      geometry.dispose();
+    }
   }
 
   /** The distance of two joints in metres, never 0. @param {number} from @param {number} to */

@@ -3,7 +3,7 @@
  */
 
 import * as api from "./api.js";
-import { byId, clock, el, strengthMark } from "./dom.js";
+import { byId, clock, el, strengthMark, svg } from "./dom.js";
 import { link } from "./state.js";
 
 const MAX_SECONDS = 10; // that a card plays
@@ -15,10 +15,13 @@ export class Grid {
     Object.assign(this, { stage, list, isPlaying });
     /** @type {{card: HTMLElement, view: import("./stage.js").View | null}[]} */
     this.cards = [];
+    /** The card that was focused or opened last. */
+    this.last = 0;
     this.seen = new IntersectionObserver((entries) => {
       for (const entry of entries) if (entry.isIntersecting) this.#load(/** @type {HTMLElement} */ (entry.target));
     }, { rootMargin: "300px" }); // prettier-ignore
     list.addEventListener("keydown", (event) => this.#move(event));
+    for (const event of ["focusin", "click"]) list.addEventListener(event, ({ target }) => (this.last = this.cards.findIndex(({ card }) => card.contains(/** @type {Node} */ (target)))), true);
   }
 
   /** @param {import("./api.js").Hit[]} hits */
@@ -48,6 +51,7 @@ export class Grid {
     this.seen.disconnect();
     for (const { view } of this.cards) view?.remove();
     this.cards = [];
+    this.last = 0;
     this.list.replaceChildren();
   }
 
@@ -62,8 +66,9 @@ export class Grid {
     return card && this.list.contains(card) ? /** @type {any} */ (card).motionseek.hit : null;
   }
 
-  focus() {
-    this.cards[0]?.card.focus();
+  /** @param {number} i the number of a card */
+  focus(i) {
+    this.cards[i]?.card.focus();
   }
 
   #play(view, playing) {
@@ -89,6 +94,7 @@ export class Grid {
         el("p", { class: "title" }, title),
         el("p", { class: "file", title: hit.path }, hit.path),
         el("p", { class: "facts", title: frames(hit) }, `${clock(hit.duration)} · ${span}`),
+        hit.steps ? steps(hit) : null,
       ),
     );
   }
@@ -121,6 +127,17 @@ export class Grid {
     if (next) next.card.focus();
     else if (at + step < 0) byId("q").focus();
   }
+}
+
+/** The steps of a hit as parts of its span, and in words. @param {import("./api.js").Hit} hit */
+function steps(hit) {
+  const length = hit.end - hit.start;
+  const bars = hit.steps.map(({ start, end }, i) =>
+    svg("rect", { x: (100 * (start - hit.start)) / length, y: 0, width: Math.max((100 * (end - start)) / length, 1), height: 6, class: `s${i % 6}` }),
+  );
+  return el("div", { class: "steps" },
+    svg("svg", { viewBox: "0 0 100 6", preserveAspectRatio: "none", "aria-hidden": "true" }, ...bars),
+    el("ol", {}, ...hit.steps.map(({ text, start, end }, i) => el("li", {}, el("span", { class: `swatch s${i % 6}`, "aria-hidden": "true" }), `${text} ${start.toFixed(1)}–${end.toFixed(1)} s`)))); // prettier-ignore
 }
 
 /** The frames of the file that a hit covers, and what became of it, as text. @param {import("./api.js").Hit} hit */

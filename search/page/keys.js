@@ -1,5 +1,5 @@
 /**
- * Keyboard shortcuts, and their list in the help dialog.
+ * Keyboard shortcuts, their list in the help dialog, and the switch that turns those of one character off.
  */
 
 import { byId, el } from "./dom.js";
@@ -11,12 +11,16 @@ import { byId, el } from "./dom.js";
 
 /** @param {Key[]} keys @param {() => boolean} viewing whether a clip is open */
 export function listen(keys, viewing) {
+  const single = byId("single-keys");
+  single.checked = localStorage.getItem("single-keys") !== "off";
+  single.addEventListener("change", () => localStorage.setItem("single-keys", single.checked ? "on" : "off"));
   addEventListener("keydown", (event) => {
     const target = /** @type {HTMLElement} */ (event.target);
     const typing = target.matches("input:not([type=checkbox]), select, textarea");
-    if (event.key === "Escape" && typing) target.blur();
-    if (event.ctrlKey || event.metaKey || event.altKey || typing || byId("help").open) return;
-    if (event.key === " " && target.matches("button, input")) return;
+    if (event.key === "Escape" && typing) return target.blur();
+    if (event.ctrlKey || event.metaKey || event.altKey || typing || target.closest("dialog")) return;
+    if (event.key === " " && target.matches("button, input, a.button")) return;
+    if (event.key.length === 1 && event.key !== " " && !single.checked) return;
     const found = keys.find(({ key, viewer }) => key === event.key && (viewer === undefined || viewer === viewing()));
     if (!found) return;
     event.preventDefault();

@@ -1,31 +1,34 @@
 /**
- * The library as points in a plane: colours show the nearest description, the hits of the query are ringed.
+ * The library as points in a plane: colours show the nearest description, the hits of the question are ringed.
  */
 
 import * as api from "./api.js";
 import { byId, clamp, el } from "./dom.js";
-import { filters, go, link } from "./state.js";
+import { Points } from "./points.js";
+import { filters, go, idsOf, link } from "./state.js";
 
 const COLOURS = 8; // labels with their own colour; the others share one
-const MARGIN = 26;
+const LISTED = 24; // labels
 const NEAR = 14; // pixels: hit radius of a point
-const MAX_SELECTED = 60;
 const HITS = 60;
+const PEEK = 70; // milliseconds that the pointer rests before a clip is fetched
+const POLL = 400; // milliseconds between two questions how far the layout is
+const [PEEK_WIDTH, PEEK_HEIGHT] = [180, 240];
 
 export class Plane {
   /** @param {import("./stage.js").Stage | null} stage */
   constructor(stage) {
     this.canvas = byId("points");
-    this.points = document.createElement("canvas");
+    this.points = new Points(byId("points-sheet"), this.canvas);
     this.view = stage?.add(/** @type {HTMLElement} */ (byId("peek").firstElementChild)) ?? null;
     /** @type {import("./api.js").MapData | null} */
     this.data = null;
-    [this.hovered, this.label] = [-1, -1];
+    [this.hovered, this.label, this.shown] = [-1, -1, 0];
     /** @type {[number, number][]} the lasso, in pixels */
     this.lasso = [];
     /** @type {Set<number>} */
     this.selected = new Set();
-    /** @type {Map<number, import("./api.js").Hit>} index in the data -> hit of the query */
+    /** @type {Map<number, import("./api.js").Hit>} index in the data -> hit of the question */
     this.hits = new Map();
     this.canvas.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => this.#over(event));
     this.canvas.addEventListener("pointerleave", () => this.#hover(-1));
@@ -35,20 +38,41 @@ export class Plane {
     new ResizeObserver(() => this.draw()).observe(this.canvas);
   }
 
-  /** @param {import("./state.js").State} state */
-  async show(state) {
-    if (!this.data) {
-      byId("map-note").textContent = "Computing the map…";
-      try {
-        this.data = await api.map();
-      } catch (error) {
-        byId("map-note").textContent = /** @type {Error} */ (error).message;
-        return;
-      }
+  /** @param {import("./state.js").State} state @param {boolean} [focus] whether the user comes back to it */
+  async show(state, focus = false) {
+    const turn = ++this.shown; // an answer to an older state is dropped
+    if (focus) this.canvas.focus({ preventScroll: true });
+    try {
+      const given = filters(state);
+      const passing = Object.values(given).some(Boolean) ? api.clips(given) : null;
+      const hits = found(state);
+      for (const asked of [passing, hits]) asked?.catch(() => {}); // reported below, where they are waited for
+      this.data ??= await this.#load();
+      const data = this.data;
+      const clips = passing && new Set(await passing);
+      if (turn !== this.shown) return;
+      this.points.passing = Uint8Array.from(data.clips, (clip) => Number(!clips || clips.has(clip)));
+      byId("map-note").textContent = data.clips.length ? "" : "The library is empty. Add clips with: motionseek index FOLDER";
+      this.#select(this.points.where((i) => this.selected.has(i)), this.label);
+      await this.#showHits(state, await hits, turn);
+    } catch (error) {
+      if (turn === this.shown) byId("map-note").textContent = /** @type {Error} */ (error).message;
     }
-    byId("map-note").textContent = this.data.clips.length ? "" : "The library is empty. Add clips with: motionseek index FOLDER";
-    this.#showLabels();
-    await this.#showHits(state);
+  }
+
+  /** The map; while it is laid out its progress is shown. */
+  async #load() {
+    byId("map-note").textContent = "Loading the map…";
+    for (;;) {
+      const answer = await api.map();
+      if ("clips" in answer) {
+        this.points.set(answer.x, answer.y, answer.label);
+        [this.selected, this.label, this.hovered] = [new Set(), -1, -1];
+        return answer;
+      }
+      byId("map-note").textContent = `Laying out ${answer.count.toLocaleString("en")} clips… ${Math.round(100 * answer.progress)} %`;
+      await new Promise((done) => setTimeout(done, POLL));
+    }
   }
 
   /** Redraw after a change of the theme, or with `again` of the library. */
@@ -59,90 +83,46 @@ export class Plane {
 
   /** Draw the points and the overlay. */
   draw() {
-    const { canvas, data } = this;
-    if (!canvas.clientWidth || !data) return;
-    const ratio = Math.min(devicePixelRatio, 2);
-    for (const sheet of [canvas, this.points]) [sheet.width, sheet.height] = [canvas.clientWidth * ratio, canvas.clientHeight * ratio];
-    const pen = this.points.getContext("2d");
-    const style = getComputedStyle(document.documentElement);
-    const colours = Array.from({ length: COLOURS + 1 }, (_, kind) => style.getPropertyValue(kind < COLOURS ? `--kind-${kind}` : "--kind-other"));
-    const lit = this.hits.size > 0;
-    pen.scale(ratio, ratio);
-    data.clips.forEach((_, i) => {
-      const [x, y] = this.#place(i);
-      const dim = (lit && !this.hits.has(i)) || (this.selected.size > 0 && !this.selected.has(i));
-      pen.globalAlpha = dim ? 0.22 : 1;
-      pen.fillStyle = colours[Math.min(data.label[i], COLOURS)];
-      pen.beginPath();
-      pen.arc(x, y, this.#size(), 0, 7);
-      pen.fill();
-    });
+    if (!this.data) return;
+    const { hits, selected } = this;
+    this.points.draw((i) => (!hits.size || hits.has(i)) && (!selected.size || selected.has(i)));
     this.#mark();
   }
 
-  /** Draw the overlay, rings and lasso; the points are cached, as there may be a hundred thousand. */
   #mark() {
-    const { canvas } = this;
-    if (!canvas.clientWidth || !this.data || !this.points.width) return;
-    const pen = canvas.getContext("2d");
-    const accent = getComputedStyle(document.documentElement).getPropertyValue("--accent");
-    const ratio = canvas.width / canvas.clientWidth;
-    pen.setTransform(1, 0, 0, 1, 0, 0);
-    pen.clearRect(0, 0, canvas.width, canvas.height);
-    pen.drawImage(this.points, 0, 0);
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    for (const [i, { strength }] of this.hits) ring(pen, ...this.#place(i), this.#size() + 3.5, accent, strength === "strong" ? 2.5 : 1.25);
-    if (this.hovered >= 0) ring(pen, ...this.#place(this.hovered), this.#size() + 6, accent, 2.5);
-    if (this.lasso.length < 2) return;
-    pen.strokeStyle = accent;
-    pen.lineWidth = 1.5;
-    pen.setLineDash([5, 4]);
-    pen.beginPath();
-    this.lasso.forEach(([x, y]) => pen.lineTo(x, y));
-    pen.closePath();
-    pen.stroke();
-    pen.setLineDash([]);
+    const rings = [...this.hits].map(([i, { strength }]) => /** @type {[number, number]} */ ([i, strength === "strong" ? 2.5 : 1.25]));
+    this.points.mark(rings, this.hovered, this.lasso);
   }
 
-  /** The radius of a point, in pixels. */
-  #size() {
-    return clamp(90 / Math.sqrt(/** @type {import("./api.js").MapData} */ (this.data).clips.length), 1.2, 6);
-  }
-
-  /** @param {number} i @returns {[number, number]} pixels */
-  #place(i) {
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    const data = /** @type {import("./api.js").MapData} */ (this.data);
-    return [MARGIN + data.x[i] * (width - 2 * MARGIN), MARGIN + (1 - data.y[i]) * (height - 2 * MARGIN)];
-  }
-
-  /** Ring the hits of the sentence. @param {import("./state.js").State} state */
-  async #showHits(state) {
-    this.hits = new Map();
-    const data = /** @type {import("./api.js").MapData} */ (this.data);
-    if (state.q) {
-      const { hits } = await api.search(state.q, filters(state), HITS, 0).catch(() => ({ hits: [] }));
-      const place = new Map(data.clips.map((clip, i) => [clip, i]));
-      const sure = hits.filter((hit) => hit.strength === "strong" || hit.strength === "plausible");
-      for (const hit of sure.length ? sure : hits.slice(0, 5)) {
-        const i = place.get(/** @type {number} */ (hit.clip));
-        if (i !== undefined) this.hits.set(i, hit);
-      }
-      byId("map-status").textContent = sure.length ? `${this.hits.size} clips match “${state.q}”.` : `No good match for “${state.q}”; the nearest clips are ringed.`;
-    } else byId("map-status").textContent = "Hover to play a clip. Drag to select with a lasso (with Shift: a rectangle), or Shift-click a point.";
+  /** Ring the hits of the question. @param {import("./state.js").State} state @param {import("./api.js").Hit[]} hits @param {number} turn */
+  async #showHits(state, hits, turn) {
+    if (turn !== this.shown || !this.data) return;
+    const place = new Map(this.data.clips.map((clip, i) => [clip, i]));
+    const sure = state.q ? hits.filter((hit) => hit.strength === "strong" || hit.strength === "plausible") : hits;
+    const ringed = (sure.length ? sure : hits.slice(0, 5)).map((hit) => [place.get(/** @type {number} */ (hit.clip)), hit]);
+    this.hits = new Map(/** @type {any} */ (ringed.filter(([i]) => i !== undefined)));
+    const passed = this.points.passing.reduce((sum, one) => sum + one, 0);
+    const said = [
+      state.like ? `The ${this.hits.size} most similar clips are ringed.` : "",
+      state.q && !state.like ? (sure.length ? `${this.hits.size} clips match “${state.q}”.` : `No good match for “${state.q}”; the nearest clips are ringed.`) : "",
+      passed < this.points.length ? `${passed.toLocaleString("en")} of ${this.points.length.toLocaleString("en")} clips pass the filters.` : "",
+    ].filter(Boolean);
+    byId("map-status").textContent = said.join(" ") || "Hover to play a clip. Drag to select with a lasso (with Shift: a rectangle), or Shift-click a point.";
+    this.#showLabels();
     this.draw();
   }
 
   #showLabels() {
-    const data = /** @type {import("./api.js").MapData} */ (this.data);
-    const counts = new Array(data.labels.length).fill(0);
-    for (const label of data.label) counts[label]++;
-    byId("labels").replaceChildren(...data.labels.slice(0, 24).map((text, i) => {
-      const button = el("button", { type: "button", "aria-pressed": String(i === this.label) },
+    const { labels, label } = /** @type {import("./api.js").MapData} */ (this.data);
+    const counts = new Array(labels.length).fill(0);
+    label.forEach((kind, i) => (counts[kind] += this.points.passing[i]));
+    const shown = labels.map((text, i) => ({ text, i })).filter(({ i }) => counts[i]).slice(0, LISTED); // prettier-ignore
+    byId("labels").replaceChildren(...shown.map(({ text, i }) => {
+      const button = el("button", { type: "button", "aria-pressed": String(i === this.label), "data-label": i },
         el("span", { class: `swatch k${i < COLOURS ? i : "other"}`, "aria-hidden": "true" }), el("span", {}, text), el("small", {}, counts[i]));
       button.addEventListener("click", () => {
         const kind = this.label === i ? -1 : i;
-        this.#select(this.#where((j) => data.label[j] === kind), kind);
+        this.#select(this.points.where((j) => label[j] === kind), kind, true);
       });
       return el("li", {}, button);
     })); // prettier-ignore
@@ -156,15 +136,7 @@ export class Plane {
 
   /** @param {PointerEvent} event */
   #over(event) {
-    if (!this.data || this.lasso.length) return;
-    const [x, y] = this.#at(event);
-    let [best, least] = [-1, NEAR];
-    this.data.clips.forEach((_, i) => {
-      const [px, py] = this.#place(i);
-      const away = Math.hypot(px - x, py - y);
-      if (away < least) [best, least] = [i, away];
-    });
-    this.#hover(best);
+    if (this.data && !this.lasso.length) this.#hover(this.points.nearest(this.#at(event), NEAR));
   }
 
   /** @param {PointerEvent} down */
@@ -184,45 +156,44 @@ export class Plane {
       stop.abort();
       const { lasso } = this;
       this.lasso = [];
-      if (lasso.length > 2) this.#select(this.#where((i) => inside(this.#place(i), lasso)));
-      else if (this.hovered < 0) this.#select(new Set());
+      if (event.type === "pointercancel") this.#mark();
+      else if (lasso.length > 2) this.#select(this.points.inside(lasso), -1, true);
+      else if (this.hovered < 0) this.#select(new Set(), -1, true);
       else if (event.shiftKey) this.#toggle(this.hovered);
-      else go({ clip: String(this.data?.clips[this.hovered]) });
+      else this.#open();
     };
     for (const name of ["pointerup", "pointercancel"]) addEventListener(name, end, { signal: stop.signal });
   }
 
-  /** Indices of the points that meet a condition. @param {(i: number) => boolean} condition */
-  #where(condition) {
-    return new Set(/** @type {import("./api.js").MapData} */ (this.data).clips.map((_, i) => i).filter(condition));
+  #open() {
+    go({ clip: String(this.data?.clips[this.hovered]) });
   }
 
   /** Select or deselect a point. @param {number} i */
   #toggle(i) {
     const selected = new Set(this.selected);
     if (!selected.delete(i)) selected.add(i);
-    this.#select(selected);
+    this.#select(selected, -1, true);
   }
 
-  /** Replace the selection; `label` is the label it came from. @param {Set<number>} selected */
-  #select(selected, label = -1) {
+  /** Replace the selection. @param {Set<number>} selected @param {number} label it came from, or -1 @param {boolean} [say] */
+  #select(selected, label, say = false) {
     const data = /** @type {import("./api.js").MapData} */ (this.data);
     [this.selected, this.label] = [selected, label];
-    [...byId("labels").querySelectorAll("button")].forEach((button, i) => button.setAttribute("aria-pressed", String(i === label)));
-    const ids = [...this.selected].map((i) => data.clips[i]);
-    const shown = ids.slice(0, MAX_SELECTED);
-    byId("selected").hidden = !ids.length;
-    byId("selected").textContent = `Show ${ids.length > shown.length ? `${shown.length} of ` : ""}${ids.length} selected`;
-    byId("selected").href = link({ view: "", ids: shown.join(","), q: "", like: "" });
-    byId("map-status").textContent = ids.length ? `${ids.length} clips selected.` : "Nothing selected.";
+    for (const button of byId("labels").querySelectorAll("button")) button.setAttribute("aria-pressed", String(Number(button.dataset.label) === label));
+    const count = selected.size.toLocaleString("en");
+    byId("selected").hidden = !selected.size;
+    byId("selected").textContent = `Show ${count} selected`;
+    byId("selected").href = link({ view: "", ids: idsOf([...selected].map((i) => data.clips[i])), q: "", like: "", from: "", to: "" });
+    if (say) byId("map-status").textContent = selected.size ? `${count} clips selected.` : "Nothing selected.";
     this.draw();
   }
 
   /** Arrow keys move to the nearest point in that direction. @param {KeyboardEvent} event */
   #key(event) {
-    const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    const way = /** @type {[number, number] | undefined} */ ({ ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key]);
     if (!this.data?.clips.length || event.ctrlKey || event.metaKey) return;
-    if (event.key === "Enter" && this.hovered >= 0) go({ clip: String(this.data.clips[this.hovered]) });
+    if (event.key === "Enter" && this.hovered >= 0) this.#open();
     if (event.key === " " && this.hovered >= 0) {
       event.preventDefault();
       event.stopPropagation();
@@ -230,16 +201,8 @@ export class Plane {
     }
     if (!way) return;
     event.preventDefault();
-    if (this.hovered < 0) return this.#hover([...this.hits.keys()][0] ?? 0);
-    const [x, y] = this.#place(this.hovered);
-    let [best, least] = [this.hovered, Infinity];
-    this.data.clips.forEach((_, i) => {
-      const [px, py] = this.#place(i);
-      const along = (px - x) * way[0] + (py - y) * way[1];
-      const aside = Math.abs((px - x) * way[1]) + Math.abs((py - y) * way[0]);
-      if (along > 0.5 && along + 2 * aside < least) [best, least] = [i, along + 2 * aside];
-    });
-    this.#hover(best, true);
+    const first = [...this.hits.keys()][0] ?? this.points.passing.indexOf(1);
+    this.#hover(this.hovered < 0 ? first : this.points.next(this.hovered, way), true);
   }
 
   /** @param {number} i @param {boolean} [aloud] */
@@ -252,13 +215,15 @@ export class Plane {
     peek.hidden = i < 0;
     if (this.view) this.view.motion = null;
     if (i < 0 || !this.data) return;
-    const [x, y] = this.#place(i);
+    const [x, y] = this.points.place(i);
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    peek.style.left = `${clamp(x + 18 + 180 > width ? x - 198 : x + 18, 0, Math.max(width - 180, 0))}px`;
-    peek.style.top = `${clamp(y - 100, 0, Math.max(height - 240, 0))}px`;
+    peek.style.left = `${clamp(x + 18 + PEEK_WIDTH > width ? x - 18 - PEEK_WIDTH : x + 18, 0, Math.max(width - PEEK_WIDTH, 0))}px`;
+    peek.style.top = `${clamp(y - 100, 0, Math.max(height - PEEK_HEIGHT, 0))}px`;
     const text = this.data.labels[this.data.label[i]] ?? "";
     /** @type {HTMLElement} */ (peek.lastElementChild).textContent = text;
     if (aloud) byId("map-status").textContent = text;
+    await new Promise((done) => setTimeout(done, PEEK));
+    if (this.hovered !== i) return;
     const hit = this.hits.get(i);
     const motion = await api.joints(this.data.clips[i], hit?.start ?? 0, hit ? hit.end : 8).catch(() => null);
     if (!motion || this.hovered !== i || !this.view) return;
@@ -267,21 +232,8 @@ export class Plane {
   }
 }
 
-function ring(pen, x, y, radius, colour, width) {
-  pen.globalAlpha = 1;
-  pen.strokeStyle = colour;
-  pen.lineWidth = width;
-  pen.beginPath();
-  pen.arc(x, y, radius, 0, 7);
-  pen.stroke();
-}
-
-/** Whether a point lies inside a polygon, by ray casting. */
-function inside([x, y], corners) {
-  let odd = false;
-  corners.forEach(([ax, ay], i) => {
-    const [bx, by] = corners[(i + 1) % corners.length];
-    if (ay > y !== by > y && x < ((bx - ax) * (y - ay)) / (by - ay) + ax) odd = !odd;
-  });
-  return odd;
+/** The hits of a question or likeness, none where nothing is asked. @param {import("./state.js").State} state @returns {Promise<import("./api.js").Hit[]>} */
+async function found(state) {
+  if (state.like) return (await api.similar(state.like, state.from, state.to, filters(state), HITS, 0)).hits;
+  return state.q ? (await api.search(state.q, filters(state), HITS, 0)).hits : [];
 }

@@ -3,11 +3,13 @@
  */
 
 import * as api from "./api.js";
-import { byId, clock, el } from "./dom.js";
-import { filters, link } from "./state.js";
+import { byId, clamp, clock, el } from "./dom.js";
+import { clipsOf, filters, link } from "./state.js";
 
 const PAGE = 24;
+const MOST = 200; // hits of one request
 const MAX_OFFSET = 200; // of moments and similar clips
+const SLOW = 150; // milliseconds until it is said what takes so long
 const SUGGESTIONS = ["a person walks forward", "someone waves with the right hand", "running and then jumping", "a person kicks a ball", "sits down on a chair", "climbs up a ladder", "dances happily"];
 
 export class Results {
@@ -21,54 +23,76 @@ export class Results {
     byId("chips").replaceChildren(...SUGGESTIONS.map((q) => el("a", { class: "chip", href: link({ q }), "data-q": q }, q)));
   }
 
-  /** @param {import("./state.js").State} state */
-  async show(state) {
+  /** @param {import("./state.js").State} state @param {number} [count] of hits that were shown when the user left */
+  async show(state, count = PAGE) {
     const key = JSON.stringify([state.q, state.moments, state.like, state.from, state.to, state.ids, filters(state)]);
     if (key === this.asked) return;
     this.asked = key;
     this.state = state;
+    const wanted = clamp(count, PAGE, MOST);
     this.running.abort();
     this.running = new AbortController();
     this.offset = 0;
     this.#loading(true);
+    byId("more-error").textContent = "";
     byId("chips").hidden = Boolean(state.q || state.like || state.ids);
     for (const chip of byId("chips").children) chip.href = link({ q: chip.dataset.q, view: "", clip: "" });
+    const { signal } = this.running;
+    const waiting = setTimeout(() => this.#wait(state), SLOW);
+    signal.addEventListener("abort", () => clearTimeout(waiting));
     try {
-      const { signal } = this.running;
-      const { hits, message, total } = await answer(state, 0, signal);
+      const { hits, message, total } = await answer(state, 0, wanted, signal);
       if (signal.aborted) return;
       this.grid.show(hits);
       this.#report(state, hits, message);
-      this.#offerMore(hits.length, total);
+      this.#offerMore(hits.length, wanted, total);
     } catch (error) {
-      if (error instanceof DOMException && error.name === "AbortError") return;
+      if (signal.aborted) return;
       this.asked = "";
       this.grid.clear();
       byId("status").textContent = "";
       byId("more").hidden = true;
       this.#notice("Request failed", /** @type {Error} */ (error).message, el("button", { type: "button", onclick: () => this.show(state) }, "Try again"));
+    } finally {
+      clearTimeout(waiting);
     }
     this.#loading(false);
   }
 
   async #more() {
     const { signal } = this.running;
-    const { hits, total } = await answer(this.state, this.offset, signal).catch(() => ({ hits: [], total: 0 }));
-    if (signal.aborted) return;
-    this.grid.add(hits);
-    this.grid.cards[this.offset]?.card.focus();
-    this.#offerMore(hits.length, total);
+    byId("more").disabled = true;
+    byId("more-error").textContent = "";
+    try {
+      const { hits, total } = await answer(this.state, this.offset, PAGE, signal);
+      if (signal.aborted) return;
+      this.grid.add(hits);
+      this.grid.focus(this.offset);
+      this.#offerMore(hits.length, PAGE, total);
+    } catch (error) {
+      if (!signal.aborted) byId("more-error").textContent = /** @type {Error} */ (error).message;
+    } finally {
+      byId("more").disabled = false;
+    }
   }
 
-  #offerMore(got, total) {
+  #offerMore(got, asked, total) {
     this.offset += got;
-    byId("more").hidden = got < PAGE || this.offset >= total;
+    byId("more").hidden = got < asked || this.offset >= total;
   }
 
   /** @param {boolean} whether */
   #loading(whether) {
     byId("results").classList.toggle("busy", whether);
     byId("results").setAttribute("aria-busy", String(whether));
+    if (!whether) byId("progress").hidden = true;
+  }
+
+  /** An answer takes its time: say what is being done. @param {import("./state.js").State} state */
+  #wait(state) {
+    byId("progress").hidden = false;
+    byId("notice").hidden = true;
+    byId("status").textContent = state.q && state.moments ? `Looking for the exact moments of “${state.q}” in the whole library…` : "Searching…";
   }
 
   /** @param {import("./state.js").State} state @param {any[]} hits @param {string} message */
@@ -90,40 +114,50 @@ export class Results {
 }
 
 /**
- * @param {import("./state.js").State} state @param {number} offset @param {AbortSignal} signal
+ * @param {import("./state.js").State} state @param {number} offset @param {number} count @param {AbortSignal} signal
  * @returns {Promise<{hits: import("./api.js").Hit[], message: string, total: number}>} total: Infinity where not known
  */
-async function answer(state, offset, signal) {
+async function answer(state, offset, count, signal) {
   const given = filters(state);
-  if (state.ids) {
-    const ids = state.ids.split(",").slice(offset, offset + PAGE);
-    const found = await Promise.all(ids.map((id) => api.motion(id).catch(() => null)));
-    const hits = found.filter((info) => info !== null).map(whole);
-    return { hits, message: `${state.ids.split(",").length} clips selected on the map`, total: state.ids.split(",").length };
-  }
+  if (state.ids) return selected(state, offset, count, signal);
   if (state.like) {
-    const { hits, query } = await api.similar(state.like, state.from, state.to, given, PAGE, offset, signal);
+    const { hits, query } = await api.similar(state.like, state.from, state.to, given, count, offset, signal);
     const span = state.from ? ` from ${state.from} to ${state.to} s` : "";
     return { hits, message: `Similar to ${query}${span}`, total: MAX_OFFSET };
   }
   if (state.q && state.moments) {
-    const { hits } = await api.moments(state.q, given, PAGE, offset, signal);
-    return { hits, message: counted(hits, "moment", state.q), total: MAX_OFFSET };
+    const { hits, sentences, how } = await api.moments(state.q, given, count, offset, signal);
+    const steps = sentences ? ` (${sentences.length} steps, ${how === "while" ? "at the same time" : "one after the other"})` : "";
+    return { hits, message: counted(hits, "moment", state.q) + steps, total: MAX_OFFSET };
   }
   if (state.q) {
-    const { hits } = await api.search(state.q, given, PAGE, offset, signal);
+    const { hits } = await api.search(state.q, given, count, offset, signal);
     return { hits, message: counted(hits, "clip", state.q), total: Infinity };
   }
-  const { motions, total } = await api.motions(given, PAGE, offset, signal);
+  const { motions, total } = await api.motions(given, count, offset, signal);
   const seconds = motions.reduce((sum, { duration }) => sum + duration, 0);
-  const message = total ? `${total} clips${total <= PAGE ? `, ${clock(seconds)}` : ""}. Describe the motion you are looking for.` : "";
+  const message = total ? `${plural(total, "clip")}${total <= count ? `, ${clock(seconds)}` : ""}. Describe the motion you are looking for.` : "";
   return { hits: motions.map(whole), message, total };
 }
+
+/** Selected clips that pass the filters; uploads pass all. */
+async function selected(state, offset, count, signal) {
+  const all = clipsOf(state.ids);
+  const filtered = Object.values(filters(state)).some(Boolean);
+  const passing = filtered ? new Set((await api.clips(filters(state))).map(String)) : null;
+  const clips = passing ? all.filter((clip) => clip.startsWith("u") || passing.has(clip)) : all;
+  const motions = await api.motionsOf(clips.slice(offset, offset + count), signal);
+  const passed = clips.length < all.length ? `${clips.length.toLocaleString("en")} of ${plural(all.length, "selected clip")} pass the filters` : `${plural(all.length, all[0]?.startsWith("u") ? "motion" : "clip")} ${all[0]?.startsWith("u") ? "of your files, not in the library" : "selected"}`;
+  return { hits: motions.map(whole), message: passed, total: clips.length };
+}
+
+const plural = (/** @type {number} */ n, /** @type {string} */ thing) => `${n.toLocaleString("en")} ${thing}${n === 1 ? "" : "s"}`;
 
 /** @param {import("./api.js").Hit[]} hits @param {string} thing @param {string} q */
 function counted(hits, thing, q) {
   const sure = hits.filter(({ strength }) => strength === "strong" || strength === "plausible").length;
-  const things = (/** @type {number} */ n) => `${n} ${thing}${n === 1 ? "" : "s"}`;
+  if (!hits.length) return `Nothing found for “${q}”`;
+  const things = (/** @type {number} */ n) => plural(n, thing);
   if (sure && sure === hits.length) return `${things(sure)} or more for “${q}”`;
   if (sure) return `${things(sure)} for “${q}”, followed by weak matches`;
   return `The nearest ${things(hits.length)} to “${q}”`;

@@ -2,6 +2,10 @@
  * The state of the page, kept in the URL fragment: every view has a link, and the back button works.
  */
 
+import { clamp } from "./dom.js";
+
+const MOST = 1_000_000; // clips of a selection
+
 /**
  * @typedef {object} State
  * @property {string} q            the sentence
@@ -15,7 +19,7 @@
  * @property {string} like         a clip: show similar clips…
  * @property {string} from         …or clips similar to this span of it
  * @property {string} to
- * @property {string} ids          clips selected on the map, separated by commas
+ * @property {string} ids          clips that were selected: numbers, ranges and keys, separated by commas
  * @property {string} view         "map" or ""
  * @property {string} clip         the clip that is open
  * @property {string} a            in point, seconds
@@ -41,31 +45,67 @@ export function link(changes) {
   return `#${given}`;
 }
 
+/** The clips of `ids`: `3,7-9` is 3, 7, 8, 9. @param {string} ids @returns {string[]} */
+export const clipsOf = (ids) =>
+  ids.split(",").filter(Boolean).flatMap((part) => {
+    const [, first, last] = part.match(/^(\d+)-(\d+)$/) ?? [];
+    return first ? Array.from({ length: clamp(Number(last) - Number(first) + 1, 0, MOST) }, (_, i) => String(Number(first) + i)) : [part];
+  }).slice(0, MOST); // prettier-ignore
+
+/** Numbers of clips as `ids`, neighbours as ranges. @param {Iterable<number>} clips */
+export function idsOf(clips) {
+  /** @type {[number, number][]} */
+  const ranges = [];
+  for (const clip of [...clips].sort((a, b) => a - b)) {
+    const range = ranges.at(-1);
+    if (range && clip === range[1] + 1) range[1] = clip;
+    else ranges.push([clip, clip]);
+  }
+  return ranges.map(([first, last]) => (first === last ? `${first}` : `${first}-${last}`)).join(",");
+}
+
 /** The changes that close an open clip. */
 export const CLOSED = { clip: "", a: "", b: "", ask: [] };
 
-/** @type {((state: State) => void)[]} */
+/** @type {((state: State, back: boolean) => void)[]} */
 const listeners = [];
 
-/** @param {(state: State) => void} listener called with every new state */
+/** @param {(state: State, back: boolean) => void} listener called with every new state; `back`: by the browser's back or forward */
 export function subscribe(listener) {
   listeners.push(listener);
 }
 
-const tell = () => listeners.forEach((listener) => listener(read()));
+const tell = (back = false) => listeners.forEach((listener) => listener(read(), back));
 
 /** Change the state; `quietly` adds no history entry. @param {Partial<State>} changes */
 export function go(changes, { quietly = false } = {}) {
   const address = link(changes);
   if (address === (location.hash || "#")) return;
-  history[quietly ? "replaceState" : "pushState"](null, "", address);
+  if (quietly) history.replaceState(history.state, "", address);
+  else history.pushState({ entry: crypto.getRandomValues(new Uint32Array(1))[0], below: link({}) }, "", address);
   tell();
 }
 
-/** Update the fragment for a change that is shown already. @param {Partial<State>} changes */
-export const note = (changes) => history.replaceState(null, "", link(changes));
+/** Close the open clip: one entry back where it was opened from the view below it, else in place. */
+export function close() {
+  if (history.state?.below === link(CLOSED)) history.back();
+  else go(CLOSED, { quietly: true });
+}
 
-addEventListener("popstate", tell);
+/** Update the fragment for a change that is shown already. @param {Partial<State>} changes */
+export const note = (changes) => history.replaceState(history.state, "", link(changes));
+
+/** What names the present history entry. @returns {number} */
+export const entry = () => history.state?.entry ?? 0;
+
+history.scrollRestoration = "manual"; // results come after the entry: main.js restores the place once they are there
+addEventListener("popstate", () => tell(true));
+document.addEventListener("click", (event) => {
+  const anchor = /** @type {Element} */ (event.target).closest?.("a[href^='#']:not([data-native])");
+  if (!anchor || event.defaultPrevented || event.button || event.ctrlKey || event.metaKey || event.shiftKey || event.altKey) return;
+  event.preventDefault();
+  go(read(/** @type {HTMLAnchorElement} */ (anchor).hash));
+}); // a link adds an entry that knows what is below it
 
 /** The filters as the server takes them. @param {State} state */
 export const filters = ({ min, max, path, format, rig, captioned }) => ({

@@ -6,11 +6,11 @@ import * as api from "./api.js";
 import { byId, clamp, clock, el } from "./dom.js";
 import { CLOSED, go, link, note, read } from "./state.js";
 import { Timeline } from "./timeline.js";
+import { Tracks } from "./tracks.js";
 
 const LONG = 900; // seconds; longer takes are fetched at half the frame rate
-const COLOURS = 6;
 const ROUNDED = 0.002; // seconds that a time may be off, being sent with three digits
-const [MIN_MOMENTS, MAX_MOMENTS] = [8, 200]; // of a track, one more a minute of the take
+const STORED_FPS = 20; // of the library's poses, the step where the file's rate is not known
 
 export class Viewer {
   /** @param {import("./stage.js").Stage | null} stage @param {() => boolean} isPlaying whether clips play when opened */
@@ -21,13 +21,10 @@ export class Viewer {
     this.timeline = new Timeline(byId("timeline"), {
       onSeek: (time) => this.seek(time),
       onCut: (from, to, done) => this.cut(from, to, done),
-      onRemove: (text) => this.#removeTrack(text),
+      onRemove: (text) => go({ ask: read().ask.filter((asked) => asked !== text) }, { quietly: true }),
       onMoment: (hit) => this.#goTo(hit),
     });
-    /** @type {Map<string, object>} sentence -> its track in the open clip, without its colour */
-    this.found = new Map();
-    /** @type {string[]} */
-    this.sentences = [];
+    this.tracks = new Tracks(this.timeline);
     byId("play").addEventListener("click", () => this.toggle());
     byId("speed").addEventListener("change", () => this.view && (this.view.speed = Number(byId("speed").value)));
     byId("loop").addEventListener("change", () => this.view && (this.view.loop = byId("loop").checked));
@@ -40,20 +37,30 @@ export class Viewer {
       event.preventDefault();
       const text = byId("track").value.trim();
       byId("track").value = "";
-      if (text) go({ ask: [...new Set([...read().ask, text])].slice(-8) });
+      if (text) go({ ask: [...new Set([...read().ask, text])].slice(-8) }, { quietly: true });
     });
   }
 
   /** @param {import("./state.js").State} state of an open clip */
   async show(state) {
     if (state.clip !== this.clip) await this.#open(state);
-    if (this.info && state.clip === this.clip) this.#showTracks(state);
+    if (this.info && state.clip === this.clip) this.tracks.show(state, this.info.duration);
   }
 
   close() {
     this.clip = "";
+    this.#clear();
+  }
+
+  /** Nothing is open: nothing may be played, cut or exported under the name of another clip. */
+  #clear() {
     this.info = null;
-    if (this.view) this.view.motion = null;
+    this.tracks.clear();
+    if (this.view) Object.assign(this.view, { motion: null, playing: false });
+    byId("viewer").classList.add("empty");
+    byId("viewer-error").hidden = true;
+    for (const id of ["export", "similar"]) byId(id).removeAttribute("href");
+    for (const id of ["viewer-title", "viewer-file", "viewer-captions", "described", "viewer-facts", "time", "cut"]) byId(id).replaceChildren();
   }
 
   /** Play or pause. */
@@ -89,10 +96,12 @@ export class Viewer {
     this.#showTime();
   }
 
-  /** @param {number} seconds */
-  step(seconds) {
-    if (this.view) this.view.playing = false;
-    this.seek((this.view?.time ?? 0) + seconds);
+  /** Go some frames of the file on, to where one begins. @param {number} count */
+  stepFrames(count) {
+    if (!this.view?.motion) return;
+    const fps = this.info?.source_fps ?? STORED_FPS;
+    this.view.playing = false;
+    this.seek((Math.round(this.view.time * fps) + count) / fps);
   }
 
   /** Set the in or out point at the play head. @param {"in" | "out"} end */
@@ -116,19 +125,17 @@ export class Viewer {
 
   /** @param {import("./state.js").State} state */
   async #open(state) {
+    this.#clear();
     this.clip = state.clip;
-    this.found.clear();
-    this.info = null;
+    document.title = "motionseek";
     byId("viewer-status").textContent = "Loading…";
-    byId("viewer-title").textContent = "";
     byId("big").classList.add("loading");
-    for (const id of ["viewer-captions", "described", "viewer-facts"]) byId(id).replaceChildren();
-    this.timeline.draw([]);
     try {
       const info = await api.motion(state.clip);
       const motion = await api.joints(state.clip, undefined, undefined, info.duration > LONG ? 10 : 20);
       if (state.clip !== this.clip) return;
       this.info = info;
+      byId("viewer").classList.remove("empty");
       this.#showInfo(info);
       const [from, to] = [Math.max(Number(state.a) || 0, this.begin), Math.min(Number(state.b) || this.end, this.end)];
       this.timeline.open(this.end, this.begin, this.end);
@@ -142,12 +149,24 @@ export class Viewer {
       byId("viewer-status").textContent = "";
       byId("viewer-title").focus({ preventScroll: true });
     } catch (error) {
-      if (state.clip === this.clip) byId("viewer-status").textContent = /** @type {Error} */ (error).message;
+      if (state.clip === this.clip) this.#fail(/** @type {Error} */ (error), state);
       return;
     } finally {
-      byId("big").classList.remove("loading");
+      if (state.clip === this.clip) byId("big").classList.remove("loading");
     }
     this.#describe(state.clip);
+  }
+
+  /** The clip could not be opened. @param {Error} error @param {import("./state.js").State} state */
+  #fail(error, state) {
+    this.clip = "";
+    this.#clear();
+    byId("viewer-title").textContent = "This clip could not be opened";
+    byId("viewer-status").textContent = "";
+    byId("viewer-error").hidden = false;
+    const again = el("button", { type: "button", onclick: () => this.show(state) }, "Try again");
+    byId("viewer-error").replaceChildren(el("p", {}, error.message), again);
+    byId("viewer-title").focus({ preventScroll: true });
   }
 
   /** @param {import("./api.js").MotionInfo} info */
@@ -174,41 +193,12 @@ export class Viewer {
     }
   }
 
-  /** Request the tracks that are missing; each is drawn when it arrives. @param {import("./state.js").State} state */
-  #showTracks(state) {
-    const { clip } = this;
-    const count = Math.min(MIN_MOMENTS + Math.floor(this.info.duration / 60), MAX_MOMENTS);
-    this.sentences = [...new Set([state.q, ...state.ask].filter(Boolean))];
-    for (const text of this.sentences) {
-      if (this.found.has(text)) continue;
-      const blank = { text, times: [], similarity: [], moments: [], note: "looking…" };
-      this.found.set(text, blank);
-      api.momentsIn(clip, text, count).then((answer) => tracked(text, answer), (error) => ({ ...blank, note: error.message }))
-        .then((track) => {
-          if (clip !== this.clip) return;
-          this.found.set(text, track);
-          this.#drawTracks();
-        }); // prettier-ignore
-    }
-    this.#drawTracks();
-  }
-
-  #drawTracks() {
-    const asked = read().ask;
-    const tracks = this.sentences.map((text, i) => ({ .../** @type {any} */ (this.found.get(text)), colour: i % COLOURS, removable: asked.includes(text) }));
-    this.timeline.draw(tracks);
-  }
-
   /** @param {import("./api.js").Hit} hit */
   #goTo(hit) {
     this.cut(hit.start, hit.end, true);
     this.seek(hit.start);
     if (this.view) this.view.playing = this.isPlaying();
     this.#showTime();
-  }
-
-  #removeTrack(text) {
-    go({ ask: read().ask.filter((asked) => asked !== text) });
   }
 
   #showTrail() {
@@ -236,12 +226,4 @@ export class Viewer {
     byId("export").href = api.exportAddress(this.clip, start, end, byId("export-format").value);
     byId("similar").href = link({ ...CLOSED, q: "", view: "", ids: "", like: this.clip, from: whole ? "" : from.toFixed(2), to: whole ? "" : to.toFixed(2) });
   }
-}
-
-/** A response as a track: the strong and plausible moments, else the best one. @param {string} text @param {Awaited<ReturnType<typeof api.momentsIn>>} answer */
-function tracked(text, { hits, curve }) {
-  const sure = hits.filter(({ strength }) => strength === "strong" || strength === "plausible");
-  const note = sure.length ? `${sure.length} ${sure.length === 1 ? "moment" : "moments"}` : "weak match only";
-  const similarity = curve.similarity[text] ?? Object.values(curve.similarity)[0] ?? [];
-  return { text, times: curve.times, similarity, moments: sure.length ? sure : hits.slice(0, 1), note };
 }

@@ -30,6 +30,9 @@ _FLAGS = (
 ).split()
 
 
+_SHOWN = "#results:not([hidden])[aria-busy=false], #viewer:not([hidden]), #map:not([hidden])"
+
+
 # For this module alone: while it is open, its event loop runs, and no other test could start one.
 @pytest.fixture(scope="module")
 def chromium() -> Iterator[Any]:
@@ -44,11 +47,11 @@ def chromium() -> Iterator[Any]:
 
 
 @contextmanager
-def serving(folder: Path, bundle: Bundle) -> Iterator[str]:
+def serving(folder: Path, bundle: Bundle, **options: Any) -> Iterator[str]:
     """Serve a library from a thread; gives its address."""
     listening = socket.socket()
     listening.bind(("127.0.0.1", 0))
-    app = create_app(SnapshotLibrary.open(folder, bundle=bundle))
+    app = create_app(SnapshotLibrary.open(folder, bundle=bundle), **options)
     server = uvicorn.Server(uvicorn.Config(app, log_level="warning"))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]})
     thread.start()
@@ -82,7 +85,14 @@ def opened(chromium: Any, address: str) -> Iterator[Opened]:
     faults: list[str] = []
     contexts = []
 
-    def open_page(fragment: str = "", *, at: str = address, size: tuple[int, int] = (1280, 860), **options: Any) -> Any:
+    def open_page(
+        fragment: str = "",
+        *,
+        at: str = address,
+        size: tuple[int, int] = (1280, 860),
+        wait: str = _SHOWN,
+        **options: Any,
+    ) -> Any:
         context = chromium.new_context(
             viewport={"width": size[0], "height": size[1]}, **{"reduced_motion": "reduce", **options}
         )
@@ -91,9 +101,14 @@ def opened(chromium: Any, address: str) -> Iterator[Opened]:
         page = context.new_page()
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.on("console", lambda said: faults.append(said.text) if "Content Security Policy" in said.text else None)
-        page.on("request", lambda asked: None if asked.url.startswith((at, "blob:")) else faults.append(asked.url))
+        page.on(
+            "request",
+            lambda asked: (
+                None if asked.url.startswith((at, "blob:", "http://elsewhere.example/")) else faults.append(asked.url)
+            ),
+        )
         page.goto(f"{at}#{fragment}")
-        page.wait_for_selector("#results:not([hidden])[aria-busy=false], #viewer:not([hidden]), #map:not([hidden])")
+        page.wait_for_selector(wait)
         return page
 
     yield open_page

@@ -12,7 +12,7 @@ from encoders.drawing.player import player
 from search.hits import Hit, Hits
 from tests.search.conftest import made_motion
 
-pytestmark = [pytest.mark.slow, pytest.mark.flaky(reruns=2)]
+pytestmark = pytest.mark.slow
 
 _SUM = """(canvas) => {
   const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
