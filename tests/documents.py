@@ -24,6 +24,7 @@ ONLY_PARSED = {
     "evaluate": "asks for a labelled archive, or for minutes",
     "model train": "needs torch, and hours",
     "model release": "needs finished runs",
+    "model import": "needs a published run",
     "model card": "takes minutes",
     "index --fps": "would read every file again, at a wrong rate",
     "index --joint-map": "needs a rig of unknown names",

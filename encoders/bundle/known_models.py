@@ -131,7 +131,9 @@ def model_with(fingerprint: str, name: str) -> Encoder | None:
 
 def _users() -> Iterator[KnownModel]:
     try:
-        folders = sorted(path for path in models_folder().iterdir() if (path / MANIFEST).is_file())
+        folders = sorted(
+            path for path in models_folder().iterdir() if _NAME.fullmatch(path.name) and (path / MANIFEST).is_file()
+        )
     except (FileNotFoundError, NotADirectoryError):
         return
     for folder in folders:

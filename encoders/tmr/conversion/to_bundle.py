@@ -9,7 +9,8 @@ from __future__ import annotations
 import json
 import shutil
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
 
@@ -56,10 +57,7 @@ def export_bundle(
     kind = FEATURE_KINDS[feature_kind]
     if np.shape(mean) != (kind.size,) or np.shape(std) != (kind.size,):
         raise ValueError(f"mean {np.shape(mean)} and std {np.shape(std)} must be ({kind.size},) for {feature_kind!r}")
-    folder = Path(folder)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as temporary:
-        new = Path(temporary) / "bundle"
+    with replacing(Path(folder)) as new:
         new.mkdir()
         int8 = weights == "int8"
         onnx.save(motion_graph(motion_encoder, mean, std, int8=int8), new / MOTION)
@@ -82,7 +80,16 @@ def export_bundle(
             "files": {file.name: digest(file) for file in sorted(new.iterdir())},
         }
         (new / MANIFEST).write_text(json.dumps(manifest, indent=2, sort_keys=True) + "\n", "utf-8")
+    return folder
+
+
+@contextmanager
+def replacing(folder: Path) -> Iterator[Path]:
+    """The path of a new folder beside `folder`, whose place it takes at the end; if anything fails, nothing changes."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as temporary:
+        new = Path(temporary) / "new"
+        yield new
         if folder.exists():
             folder.rename(Path(temporary) / "old")
         shutil.move(new, folder)
-    return folder

