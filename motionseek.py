@@ -48,6 +48,7 @@ from indexer.store.marks.marks_table import Marks
 from search.hits import Hit, Hits, Step
 from search.library import Library
 from search.moments.segments import Segment
+from search.stacks.stacking import Copy
 from search.standalone import describe, moments, segment
 
 __version__ = importlib.metadata.version("motionseek")
@@ -62,6 +63,7 @@ __all__ = [
     "BundleMismatch",
     "Caption",
     "Clip",
+    "Copy",
     "Encoder",
     "Hit",
     "Hits",

@@ -36,6 +36,7 @@ from search.ranking.clip_scores import ClipScore, best_clips
 from search.ranking.description import describe_motion
 from search.references import Ref, is_vector, source_of, span_of
 from search.source import MotionSource
+from search.stacks.stacking import Copy, Progress, among, stacks
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -368,6 +369,27 @@ class Library(MarkedLibrary):
             return self._clip_hits(question, k, allowed)
         found = best_clips(self, question.vectors[0], max(k, RERANKED), allowed=allowed, windows=False)
         return self._hits(question, rerank_by_alignment(self.bundle, self, motion, found)[:k])
+
+    def duplicates(
+        self, *, progress: Progress | None = None, **filters: Unpack[FilterArguments]
+    ) -> list[tuple[Copy, ...]]:
+        """The stacks: clips that show one performance, in several rigs, from several files, or mirrored.
+
+        They are told by how the joints move. The first call on a library reads all poses; later ones only what changed.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with how much is done, and how much there is to do.
+
+        Returns
+        -------
+        list of tuples of Copy
+            Each of two clips and more, in order of their numbers: `clip_id`, and whether it is the first one
+            `mirrored`. Of clips that do not pass the filters nothing is said.
+        """
+        allowed = self.allowed(**filters)
+        return stacks(self, progress) if allowed is None else among(stacks(self, progress), allowed)
 
     def source(self, ref: Ref, *, fps: float | None = None, up: str | None = None) -> MotionSource:
         """The motion that a reference means, with what the library knows of it."""

@@ -24,7 +24,7 @@ ROOMS = {
         "take argument_checks part_names read_motion formats rigs vectors store ingest maintenance datasets".split()
     ),
     "search": (
-        "spans hits source references marking query ranking moments documents export drawing library standalone "
+        "spans hits source references marking query ranking moments stacks documents export drawing library standalone "
         "map evaluate release server cli".split()
     ),
 }

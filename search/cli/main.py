@@ -31,6 +31,7 @@ COMMANDS = {
     "check": "search.cli.commands.maintenance",
     "forget": "search.cli.commands.maintenance",
     "list": "search.cli.commands.list",
+    "duplicates": "search.cli.commands.duplicates",
     "tag": "search.cli.commands.tag",
     "evaluate": "search.cli.commands.evaluate",
     "model": "search.cli.commands.model.group",

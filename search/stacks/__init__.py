@@ -1,0 +1,1 @@
+"""Stacks: clips that show one performance, in several rigs or mirrored."""
