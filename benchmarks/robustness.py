@@ -6,13 +6,15 @@
     python -m benchmarks.robustness faults [--every 1]                       each write, sync and rename fails once
     python -m benchmarks.robustness readers [--minutes 10]                   eight processes on one library
 
-Each prints the trials that fail, with their seeds, and how many there were. A trial alone: `--first SEED --trials 1`.
+Each prints the trials that fail, with their seeds, and how many there were. A trial alone: `--first SEED --trials 1`;
+of `faults`, trials are counted from 0.
 Linux only; `faults` needs a C compiler.
 """
 
 from __future__ import annotations
 
 import argparse
+import sys
 import tempfile
 import time
 from collections.abc import Iterable
@@ -45,7 +47,7 @@ def flips(scratch: Path, given: argparse.Namespace) -> tuple[int, int]:
 def faults(scratch: Path, given: argparse.Namespace) -> tuple[int, int]:
     from tests.robustness.faults import run
 
-    found = run(scratch, given.every)
+    found = run(scratch, given.every, _seeds(given, sys.maxsize))
     return _count(("{task}, step {step}, {error}, {where}".format(**line), line["wrong"]) for line in found)
 
 

@@ -1,9 +1,11 @@
 """A disk that fails once, at every write, sync, rename and truncation: old files are unharmed, and the next run ends.
 
-    python -m tests.robustness.faults SCRATCH [EVERY]
+    python -m tests.robustness.faults SCRATCH EVERY FIRST LAST
 
-It runs with `failing_disk.c` loaded before the C library (`LD_PRELOAD`), tries every so many steps, and prints a line
-of JSON for each trial: task, step, error, where it struck, and what was wrong. Each trial is a process of its own.
+It runs with `failing_disk.c` loaded before the C library (`LD_PRELOAD`), tries every so many steps, of these the trials
+from FIRST to before LAST, and prints a line of JSON for each: task, step, error, where it struck, and what was wrong.
+Each trial is a process of its own. Motions are read in it, as the processes that do so otherwise write no file and take
+most of the time.
 """
 
 from __future__ import annotations
@@ -17,12 +19,14 @@ import shutil
 import subprocess
 import sys
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from encoders.errors import LibraryError, MotionSeekError
-from indexer.ingest import indexing
+from indexer.ingest import indexing, storing
+from indexer.ingest.load import read_motions
+from indexer.ingest.pool import Read, Request
 from indexer.maintenance.check import check
 from indexer.store.library_reader import FOLDER
 from indexer.store.stored_library import StoredLibrary
@@ -86,13 +90,13 @@ def compiled(scratch: Path) -> Path:
     return out
 
 
-def run(scratch: Path, every: int = 1) -> Iterator[dict[str, Any]]:
-    """All trials, in a process that has the failing disk."""
+def run(scratch: Path, every: int = 1, trials: range = range(sys.maxsize)) -> Iterator[dict[str, Any]]:
+    """Trials of those there are, in a process that has the failing disk."""
     environment = {
         **os.environ, "LD_PRELOAD": str(compiled(scratch)), "PYTHONPATH": str(ROOT),
         "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
     }  # fmt: skip
-    command = [sys.executable, "-m", "tests.robustness.faults", str(scratch), str(every)]
+    command = [sys.executable, "-m", "tests.robustness.faults", *map(str, (scratch, every, trials.start, trials.stop))]
     with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         yield from map(json.loads, process.stdout)
@@ -100,24 +104,36 @@ def run(scratch: Path, every: int = 1) -> Iterator[dict[str, Any]]:
         raise RuntimeError(f"the trials end with code {process.returncode}")
 
 
-def _main(scratch: Path, every: int) -> None:
+def _main(scratch: Path, every: int, trials: range) -> None:
+    storing.read_all = _read_here  # type: ignore[assignment]
     made = scratch / "made"
     _forked(lambda: make(made))
+    ended = 0
     for name, task in TASKS.items():
         folder = _copy(made, task, scratch / "counted")
         counted = _forked(lambda task=task, folder=folder: _struck(task, folder, 0, 0))
         expected = _forked(lambda task=task, folder=folder: content(folder, task.bundle))
-        for step in range(1, counted.steps + 1, every):
-            for error, number in ERRORS.items():
-                folder = _copy(made, task, scratch / "struck")
-                outcome = _forked(lambda t=task, f=folder, s=step, n=number: _struck(t, f, s, n))
-                wrong = _said(outcome, folder) or _forked(
-                    lambda n=name, t=task, f=folder, o=outcome, e=expected: _harm(n, t, f, o, e)
-                )
-                where = outcome.where.replace(str(folder), "")
-                said = str(outcome.error or "")
-                line = {"task": name, "step": step, "error": error, "where": where, "said": said, "wrong": wrong}
-                print(json.dumps(line), flush=True)
+        steps = [(step, error) for step in range(1, counted.steps + 1, every) for error in ERRORS]
+        for number, (step, error) in enumerate(steps, start=ended):
+            if number in trials:
+                print(json.dumps(_trial(made, scratch / "struck", name, step, error, expected)), flush=True)
+        ended += len(steps)
+
+
+def _trial(made: Path, place: Path, name: str, step: int, error: str, expected: dict[str, Any]) -> dict[str, Any]:
+    """A task on a copy of a library, with a disk that fails at a step."""
+    task = TASKS[name]
+    folder = _copy(made, task, place)
+    outcome = _forked(lambda: _struck(task, folder, step, ERRORS[error]))
+    wrong = _said(outcome, folder) or _forked(lambda: _harm(name, task, folder, outcome, expected))
+    where, said = outcome.where.replace(str(folder), ""), str(outcome.error or "")
+    return {"task": name, "step": step, "error": error, "where": where, "said": said, "wrong": wrong}
+
+
+def _read_here(requests: Iterable[Request[Any]], jobs: int) -> Iterator[tuple[Any, Read]]:
+    """`pool.read_all` without other processes."""
+    for request in requests:
+        yield request.key, Read(tuple(read_motions(str(request.path), request.fps, request.joint_map, request.up)))
 
 
 def _struck(task: kills.Work, folder: Path, step: int, number: int) -> Outcome:
@@ -191,4 +207,5 @@ def _forked(task: Callable[[], Any]) -> Any:
 
 
 if __name__ == "__main__":
-    _main(Path(sys.argv[1]).resolve(), int(sys.argv[2]))
+    every, first, last = map(int, sys.argv[2:])
+    _main(Path(sys.argv[1]).resolve(), every, range(first, last))
