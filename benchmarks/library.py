@@ -2,6 +2,7 @@
 
     python -m benchmarks.library index FOLDER [--jobs N]      first run against second run
     python -m benchmarks.library memory REAL [--clips N]      peak memory of a run over a simulated library
+    python -m benchmarks.library new [--clips N ...] [--identical]      memory and time of runs over new files
     python -m benchmarks.library search [--windows 10000 100000 1000000] [--size 256]
 
 Every figure stands beside the plain way, measured in the same run: a numpy scan of float32 vectors. The vectors are
@@ -11,6 +12,7 @@ random, the worst case for clusters: `benchmarks.serve` tells the recall for tho
 from __future__ import annotations
 
 import argparse
+import multiprocessing
 import os
 import resource
 import subprocess
@@ -27,6 +29,7 @@ from indexer.ingest import indexing
 from indexer.store import schema
 from indexer.store.library_reader import FILE, FOLDER
 from indexer.store.stored_library import StoredLibrary
+from tests.indexer.folders import SmallBundle, write
 
 A_CLIP = 50  # windows
 
@@ -60,6 +63,43 @@ def memory(around: Path, clips: int) -> None:
         print(ran.stdout.decode().strip() or ran.stderr.decode().strip())
         peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3
         print(f"{clips} clips, {windows} windows: {peak:.0f} MB at most, {time.monotonic() - began:.0f} s")
+
+
+def new(counts: list[int], identical: bool) -> None:
+    """Index folders of new files, then move all of them and index again; the encoder costs next to nothing."""
+    print("   clips | first run |   peak | processes that read | after a move |   peak")
+    peaks = []
+    for count in counts:
+        with tempfile.TemporaryDirectory() as place:
+            _write_takes(Path(place, "takes"), count, identical)
+            first, peak, reading = _apart(_index_new, place)
+            Path(place, "takes").rename(Path(place, "moved"))
+            second, after, _ = _apart(_index_new, place)
+        peaks.append(peak)
+        times = f"{count:8,} | {first:7.0f} s | {peak:3.0f} MB | {reading:16.0f} MB | {second:10.1f} s"
+        print(f"{times} | {after:3.0f} MB", flush=True)
+    if len(counts) > 1:
+        print(f"{1e3 * np.polyfit(counts, peaks, 1)[0]:.2f} kB a clip")
+
+
+def _write_takes(folder: Path, count: int, identical: bool) -> None:
+    """Takes of four seconds, a thousand in each folder, all different or all the same."""
+    for number in range(count):
+        write(folder / f"{number // 1000:03}" / f"{number:06}.npy", 0 if identical else number)
+
+
+def _index_new(place: str) -> tuple[float, float, float]:
+    """Index a folder; seconds, and the peaks of memory in MB: of this process, and of the largest that reads."""
+    summary = indexing.index(place, bundle=SmallBundle(latent_size=256), jobs=2)
+    assert not summary.failed
+    peaks = [resource.getrusage(who).ru_maxrss / 1e3 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return summary.seconds, peaks[0], peaks[1]
+
+
+def _apart(call: Callable[[str], tuple[float, float, float]], place: str) -> tuple[float, float, float]:
+    """The result of a function in a new process."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(call, (place,))
 
 
 def search(counts: list[int], size: int) -> None:
@@ -158,9 +198,14 @@ def main() -> None:
     remembering = commands.add_parser("memory")
     remembering.add_argument("around", type=Path, help="an indexed folder of real motions")
     remembering.add_argument("--clips", type=int, default=100_000)
+    taking_in = commands.add_parser("new")
+    taking_in.add_argument("--clips", type=int, nargs="+", default=[10_000, 30_000, 100_000])
+    taking_in.add_argument("--identical", action="store_true", help="all files hold the same motion")
     given = parser.parse_args()
     if given.command == "index":
         index(given.folder, given.jobs)
+    elif given.command == "new":
+        new(given.clips, given.identical)
     elif given.command == "memory":
         memory(given.around, given.clips)
     else:
