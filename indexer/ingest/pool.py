@@ -28,7 +28,7 @@ from encoders.motion import Motion
 from encoders.skeleton import JOINTS
 from indexer.formats.opening import size
 from indexer.ingest import worker_limits
-from indexer.ingest.worker import MAX_FRAMES, MAX_HEADER, MAX_REASON, READY
+from indexer.ingest.worker import MAX_FRAMES, MAX_HEADER, MAX_REASON, READY, TOO_MUCH_MEMORY
 from indexer.read_motion import Reading, ReadMotion
 
 READ = "indexer.ingest.load:read_motions"
@@ -57,12 +57,14 @@ Key = TypeVar("Key")
 class Read:
     """The result for a file: its motions, or the reason why there is none.
 
-    `passes` tells a reason that does not lie in the file's content, so that reading it again may succeed.
+    `passes` tells a reason that does not lie in the file's content, so that reading it again may succeed; `doubted` one
+    that may or may not, as the process crashed.
     """
 
     clips: tuple[ReadMotion, ...] = ()
     reason: str = ""
     passes: bool = False
+    doubted: bool = False
 
     @property
     def frames(self) -> int:
@@ -213,7 +215,8 @@ def _ask(process: subprocess.Popen[bytes], request: Request[Any], memory: int, s
     try:
         header = json.loads(line)
         if "reason" in header:
-            return Read(reason=_text(header["reason"], MAX_REASON), passes=header["passes"] is True)
+            passes, doubted = header["passes"] is True, header["doubted"] is True
+            return Read(reason=_text(header["reason"], MAX_REASON), passes=passes, doubted=doubted)
         records = header["clips"]
         counts = [record["frames"] for record in records]
         if not counts or not all(type(count) is int and count > 0 for count in counts) or sum(counts) > MAX_FRAMES:
@@ -270,5 +273,8 @@ def _ended(code: int, patience: float | None) -> Read:
         return Read(reason="reading it was killed, perhaps because memory ran out", passes=True)
     if code == -getattr(signal, "SIGXCPU", 0):
         return Read(reason="reading it took too long and was ended; cut it into shorter takes")
+    if code == worker_limits.OVER_MEMORY:
+        return Read(reason=TOO_MUCH_MEMORY)
     name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-    return Read(reason=f"reading it crashed ({name})", passes=name in ("SIGTERM", "SIGHUP", "SIGINT"))
+    passes = name in ("SIGTERM", "SIGHUP", "SIGINT")
+    return Read(reason=f"reading it crashed ({name})", passes=passes, doubted=not passes)

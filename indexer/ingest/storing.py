@@ -139,20 +139,21 @@ def _commit(
     """Encode what was read and store it, with what could not be read, as one transaction.
 
     A file that changed since its content was first looked at is not stored but returned: what was read may be neither
-    the old nor the new. Nothing is recorded of one that may be read another time.
+    the old nor the new. Nothing is recorded of one that may be read another time. One that crashes is tried again once.
     """
     changed = [task for task, read in batch if not read.passes and task.has_changed()]
     batch = [(task, read) for task, read in batch if task not in changed]
     encoded = iter(encode(bundle, [clip.motion for _, read in batch for clip in read.clips]))
+    again = {task for task, read in batch if read.passes}
     with writer.batch():
         for task, read in batch:
             if read.clips:
                 writer.add(task.source, list(zip(read.clips, encoded, strict=False)), model_id)
-            elif not read.passes:
-                writer.fail(task.source, read.reason)
+            elif not read.passes and writer.fail(task.source, read.reason, doubted=read.doubted):
+                again.add(task)
     for task, read in batch:
         if not read.clips:
-            summary.failed.append((str(task.path), f"{read.reason}{TRIED_AGAIN if read.passes else ''}"))
+            summary.failed.append((str(task.path), f"{read.reason}{TRIED_AGAIN if task in again else ''}"))
             continue
         summary.indexed += 1
         for clip in read.clips:

@@ -2,8 +2,8 @@
 
 It begins with READY. A request is a JSON object with the limits for the file, `memory` and `seconds`, and with the
 arguments of `indexer.ingest.load.read_motions`; a response is a JSON line with the `reason` why the file cannot be read
-and whether that `passes`, or with its `clips`, followed by their joints as float32 bytes in the same order. Files are
-not trusted: one that crashes or hangs costs one process.
+and whether that `passes` or is `doubted`, or with its `clips`, followed by their joints as float32 bytes in the same
+order. Files are not trusted: one that crashes or hangs costs one process.
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ READY = b"ready\n"
 #: Bounds of a response: frames of all clips together, 14 hours at 20 a second, bytes of the JSON line, and characters
 #: of the reason.
 MAX_FRAMES, MAX_HEADER, MAX_REASON = 1_000_000, 16 << 20, 2000
+
+TOO_MUCH_MEMORY = "needs more memory than a file of its size may take; cut it into shorter takes"
 
 
 def serve(target: str = "indexer.ingest.load:read_motions", parent: int | None = None) -> None:
@@ -62,12 +64,13 @@ def _answer(function: Any, request: dict[str, Any]) -> tuple[dict[str, Any], lis
             raise UnreadableMotion(request["path"], "more than 14 hours of motion at once; cut it into shorter takes")
     except UnreadableMotion as error:
         passes = isinstance(error.__cause__, OSError)
-        return {"reason": str(error).removeprefix(f"{error.path}: "), "passes": passes}, []
+        return {"reason": str(error).removeprefix(f"{error.path}: "), "passes": passes, "doubted": False}, []
     except MemoryError:
-        return {"reason": "needs more memory than there is; cut it into shorter takes", "passes": False}, []
+        # Where the limit is the system's, other programs may have taken what there is.
+        return {"reason": TOO_MUCH_MEMORY, "passes": False, "doubted": not worker_limits.LIMITS_MEMORY}, []
     except Exception as error:
         reason = f"reading failed unexpectedly ({type(error).__name__}: {error})"
-        return {"reason": reason, "passes": isinstance(error, OSError)}, []
+        return {"reason": reason, "passes": isinstance(error, OSError), "doubted": False}, []
     records = [
         {
             "frames": len(clip.motion),

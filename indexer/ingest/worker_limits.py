@@ -9,14 +9,18 @@ import sys
 import threading
 import time
 
-#: Bytes a file may take to read, and those added for each byte of it, where the system has such limits (Linux). At most
-#: half of the computer's memory.
+#: Bytes a file may take to read, and those added for each byte of it. At most half of the computer's memory.
 MEMORY, MEMORY_A_BYTE = 1 << 30, 16
+
+#: Whether the system refuses memory beyond a limit. Elsewhere a thread looks at what is used, but for Windows.
+LIMITS_MEMORY = sys.platform == "linux"
+#: The exit code of a process that this thread ends.
+OVER_MEMORY = 97
 
 #: Linux's prctl option: the signal that the process gets when its parent dies.
 _PR_SET_PDEATHSIG = 1
-#: Seconds between looks at the parent where the system does not tell of its end.
-_LOOK = 1.0
+#: Seconds between looks at the parent where the system does not tell of its end, and at the memory used.
+_LOOK, _LOOK_AT_MEMORY = 1.0, 0.05
 
 
 def memory_for(size: int) -> int:
@@ -30,7 +34,8 @@ def limit(memory: int, seconds: float) -> None:
     Parameters
     ----------
     memory : int
-        Bytes of private memory. Beyond it Python raises MemoryError.
+        Bytes of private memory. Beyond it Python raises MemoryError on Linux; on other systems but Windows the process
+        ends with `OVER_MEMORY` within a moment.
     seconds : float
         Of processor time from now on, after which the system kills the process.
     """
@@ -40,11 +45,43 @@ def limit(memory: int, seconds: float) -> None:
         return
     used = sum(resource.getrusage(resource.RUSAGE_SELF)[:2])
     wanted = [(resource.RLIMIT_CPU, int(used + seconds) + 1)]
-    if sys.platform == "linux":  # elsewhere it is no limit, or counts what libraries only reserve
+    if LIMITS_MEMORY:  # elsewhere it is no limit, or counts what libraries only reserve
         wanted.append((resource.RLIMIT_DATA, memory))
+    else:
+        memory_watch.limit(memory)
     for kind, value in wanted:
         _, hard = resource.getrlimit(kind)
         resource.setrlimit(kind, (value if hard == resource.RLIM_INFINITY else min(value, hard), hard))
+
+
+class MemoryWatch:
+    """A thread that ends the process once it takes more memory than it may, of what is resident."""
+
+    def __init__(self) -> None:
+        self._most = 0
+        self._thread: threading.Thread | None = None
+
+    def limit(self, memory: int) -> None:
+        """Let it take so many bytes from now on, or what it has taken before: only the peak is known."""
+        self._most = max(memory, _peak())
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._look, daemon=True)
+            self._thread.start()
+
+    def _look(self) -> None:
+        while _peak() <= self._most:
+            time.sleep(_LOOK_AT_MEMORY)
+        os._exit(OVER_MEMORY)
+
+
+memory_watch = MemoryWatch()
+
+
+def _peak() -> int:
+    """Bytes of memory that were resident at most; not on Windows."""
+    import resource
+
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
 
 
 def die_with(parent: int) -> None:

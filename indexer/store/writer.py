@@ -7,6 +7,7 @@ import os
 import sqlite3
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from datetime import datetime, timezone
 from hashlib import blake2b
 from pathlib import Path
@@ -26,6 +27,9 @@ from indexer.store.read_options import ReadOptions
 
 #: A file that is not gone: there is an index of those alone, without which each file would cost a look at all others.
 _AT_PATH = f"files.root_id = ? AND files.path = ? AND files.state != '{GONE}' AND files.state = ?"
+
+#: What the digest of a file begins with that failed once, and that is tried again as the digest is not its own.
+_ONCE = "once "
 
 
 class Writer:
@@ -122,10 +126,32 @@ class Writer:
             "UPDATE files SET size = ?, mtime_ns = ? WHERE id = ?", (file.size, file.mtime_ns, file_id)
         )
 
-    def fail(self, source: FileVersion, reason: str) -> None:
-        """Record that a file cannot be read; the clips of an earlier version of it are gone."""
+    def fail(self, source: FileVersion, reason: str, *, doubted: bool = False) -> bool:
+        """Record that a file cannot be read; the clips of an earlier version of it are gone.
+
+        With `doubted` the reason may not lie in the content: the first time it is recorded so that the file is tried
+        again at the next run, and clips of an earlier version stay until then. Whether it was.
+        """
+        once = f"{_ONCE}{source.hash}"
+        if doubted and not self._has_failed(source, once):
+            where = (source.root_id, source.file.path, INDEXED)
+            kept = self.connection.execute(f"UPDATE files SET hash = ?, size = -1 WHERE {_AT_PATH}", (once, *where))
+            if not kept.rowcount:
+                self._insert(replace(source, hash=once, file=replace(source.file, size=-1)), FAILED, reason)
+            return True
         self._retire(source)
         self._insert(source, FAILED, reason)
+        return False
+
+    def _has_failed(self, source: FileVersion, once: str) -> bool:
+        """Whether this content could not be read when it was last tried."""
+        where = (source.root_id, source.file.path)
+        rows = (
+            self.connection.execute(f"SELECT hash FROM files WHERE {_AT_PATH}", (*where, state)).fetchone()
+            for state in (FAILED, INDEXED)
+        )
+        failed, indexed = (row and row[0] for row in rows)
+        return failed in (source.hash, once) or indexed == once
 
     def add(self, source: FileVersion, clips: Sequence[tuple[ReadMotion, ClipVectors]], model_id: int) -> list[int]:
         """Store the clips of a file, new or its new content, each with the captions that name its path; their ids.

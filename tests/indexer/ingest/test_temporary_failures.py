@@ -90,10 +90,43 @@ def test_what_does_not_lie_in_the_file_is_tried_again_at_the_next_run(root, bund
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals")
-def test_what_lies_in_the_file_is_remembered(root, bundle, how):
+def test_what_crashes_twice_with_one_content_is_remembered(root, bundle, how):
+    index(root, bundle=bundle, jobs=1)
+    number = paths(root)["a.npy"]
+    write(root / "a.npy", 70)
     how("crash")
-    assert "crashed" in index(root, bundle=bundle, jobs=1).failed[0][1]
+    for content in (71, 72):  # another content is tried anew
+        write(root / "a.npy", content)
+        summary = index(root, bundle=bundle, jobs=1)
+        assert summary.failed[0][1] == "reading it crashed (SIGSEGV); it is tried again at the next run"
+        assert paths(root)["a.npy"] == number
+    assert index(root, bundle=bundle, jobs=1).failed[0][1] == "reading it crashed (SIGSEGV)"
+    assert "a.npy" not in paths(root)
     assert index(root, bundle=bundle, jobs=1).failed_before == 1
+    assert index(root, bundle=bundle, jobs=1, retry=True).failed[0][1] == "reading it crashed (SIGSEGV)"
+    how("")
+    assert counts(index(root, bundle=bundle, jobs=1, retry=True)) == (1, 2, 0, 0, 0)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals")
+@pytest.mark.parametrize("known", [False, True])
+def test_what_crashes_once_is_read_at_the_next_run(root, bundle, how, known):
+    if known:
+        index(root, bundle=bundle, jobs=1)
+    how("crash")
+    assert len(index(root, bundle=bundle, jobs=1, fps=30, retry=True).failed) == 1
+    how("")
+    assert counts(index(root, bundle=bundle, jobs=1)) == (1, 2, 0, 0, 0)
+    assert counts(index(root, bundle=bundle, jobs=1)) == (0, 3, 0, 0, 0)
+    with StoredLibrary.open(root) as library:
+        assert library.failures() == []
+
+
+@pytest.mark.parametrize("reason", ["too much memory", "no body"])
+def test_what_lies_in_the_file_is_remembered(root, bundle, monkeypatch, reason):
+    monkeypatch.setattr(storing, "read_all", lambda requests, jobs: ((r.key, Read(reason=reason)) for r in requests))
+    assert len(index(root, bundle=bundle, jobs=1).failed) == 3
+    assert index(root, bundle=bundle, jobs=1).failed_before == 3
 
 
 @pytest.mark.parametrize("error", [PermissionError(13, "Permission denied"), OSError(errno.EIO, "Input/output error")])
