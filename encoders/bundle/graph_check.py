@@ -19,18 +19,28 @@ OPERATORS = frozenset(
 )
 #: Those whose output may be of any size whatever their inputs are: not of constants alone, which are computed at once.
 _GROWING = frozenset({"ConstantOfShape", "Expand", "Pad", "Range"})
+#: Those whose work is not in proportion to what they read and write.
+_HEAVY = frozenset({"Gemm", "MatMul"})
 #: Those whose output is no larger than their first input.
 _KEEPING = frozenset({"Cast", "DequantizeLinear", "Flatten", "Identity", "Reshape", "Slice", "Squeeze", "Transpose"})
 
 #: Nodes of a graph, and numbers of one constant and of all that are computed as it is loaded.
 MAX_NODES, MAX_CONSTANT, MAX_CONSTANTS = 20_000, 1 << 26, 1 << 28
+#: Numbers that may be computed from shapes alone: at a time where no constant has more, and together with constants.
+_FEW, _MANY = 1 << 12, 1 << 30
 
 Message = bytes | memoryview
 _VARINT, _FIXED64, _BYTES, _FIXED32 = 0, 1, 2, 5
 
 
-def check_graph(data: Message) -> None:
+def check_graph(data: Message) -> int:
     """Check a whole ONNX file.
+
+    Returns
+    -------
+    int
+        Numbers of the largest constant that is to be computed as the graph is loaded. What could be computed from the
+        shapes of its inputs may be of any size and is not to be, beyond this.
 
     Raises
     ------
@@ -57,15 +67,22 @@ def check_graph(data: Message) -> None:
             raise ValueError("it has sparse weights")
     if len(nodes) > MAX_NODES:
         raise ValueError(f"{len(nodes)} nodes are more than {MAX_NODES}")
-    computed = 0
+    computed, largest, of_shapes = 0, _FEW, set[str]()
     for node in nodes:
-        computed += _node(node, sizes)
+        size = _node(node, sizes, of_shapes)
+        computed, largest = computed + size, max(largest, size)
     if computed > MAX_CONSTANTS:
         raise ValueError(f"constants of {computed} numbers are computed, more than {MAX_CONSTANTS}")
+    if computed + largest * len(of_shapes) > _MANY:
+        raise ValueError(f"{len(of_shapes)} nodes compute up to {largest} numbers each of shapes alone")
+    return largest
 
 
-def _node(node: memoryview, sizes: dict[str, int]) -> int:
-    """Check one node and note the sizes of its outputs where all its inputs are constant; how large they are."""
+def _node(node: memoryview, sizes: dict[str, int], of_shapes: set[str]) -> int:
+    """Check one node; how large its outputs are, if all its inputs are constant.
+
+    Notes the sizes of outputs that are, and of others the names of those that no more than the shapes of inputs decide.
+    """
     inputs, outputs, operator, own = [], [], "", 0
     for field, value in _fields(node):
         if field == 1:
@@ -81,6 +98,10 @@ def _node(node: memoryview, sizes: dict[str, int]) -> int:
     if operator not in OPERATORS:
         raise ValueError(f"operator {operator!r}, which no encoder needs")
     if operator != "Constant" and not all(name in sizes for name in inputs if name):
+        if operator == "Shape" or all(name in sizes or name in of_shapes for name in inputs if name):
+            if operator in _HEAVY:
+                raise ValueError(f"{operator} of shapes alone")
+            of_shapes.update(outputs)
         return 0
     given = [sizes[name] for name in inputs if name]
     if operator in _GROWING:

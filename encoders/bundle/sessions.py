@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 #: Bytes of the largest graph file, and of memory for all graphs of the process together while they run.
 LARGEST_GRAPH, MEMORY = 1 << 30, 4 << 30
 
+#: The first onnxruntime that bounds what it computes as it loads a graph.
+_BOUNDS_FOLDING = (1, 27)
+
 _allocating = threading.Lock()
 _allocators: list[Any] = []
 
@@ -32,7 +35,7 @@ def open_session(path: Path, threads: int | None = None) -> InferenceSession:
         if path.stat().st_size > LARGEST_GRAPH:
             raise ValueError(f"larger than {LARGEST_GRAPH >> 20} MB")
         graph = path.read_bytes()
-        check_graph(graph)
+        largest = check_graph(graph)
     except (OSError, ValueError) as error:
         raise BundleError(f"{path}: refused ({error})") from error
     # No telemetry: this must be set before onnxruntime is loaded.
@@ -45,13 +48,22 @@ def open_session(path: Path, threads: int | None = None) -> InferenceSession:
     options.add_session_config_entry("session.disable_quant_qdq", "1")  # fold DequantizeLinear into the weights
     # Threads that spin while they wait take cores from readers and other requests: twice the CPU time, and slower.
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    # What is computed as it is loaded has a bound. Older ones know none, and compute at work, where there is another.
+    options.add_session_config_entry("optimization.constant_folding_max_output_size_in_bytes", str(8 * largest))
+    without = [] if _version(onnxruntime) >= _BOUNDS_FOLDING else ["ConstantFolding"]
     if _has_bounded_allocator(onnxruntime):
         options.add_session_config_entry("session.use_env_allocators", "1")
     try:
         # From bytes: there is no folder for it to look into.
-        return onnxruntime.InferenceSession(graph, options, providers=["CPUExecutionProvider"])
+        return onnxruntime.InferenceSession(
+            graph, options, providers=["CPUExecutionProvider"], disabled_optimizers=without
+        )
     except Exception as error:  # onnxruntime's errors have no common base but Exception
         raise BundleError(f"{path}: onnxruntime cannot load it ({error})") from error
+
+
+def _version(onnxruntime: Any) -> tuple[int, ...]:
+    return tuple(int(part) for part in onnxruntime.__version__.split(".")[:2])
 
 
 def run(session: InferenceSession, path: Path, feed: dict[str, Any]) -> Any:

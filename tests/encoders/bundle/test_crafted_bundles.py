@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import io
 import json
+import os
+import subprocess
+import sys
 import zipfile
 from pathlib import Path
 
@@ -16,6 +19,7 @@ from encoders.bundle.graph_check import MAX_NODES, OPERATORS, check_graph
 from encoders.bundle.manifest import digest
 from encoders.errors import BundleError
 from encoders.features.registry import FEATURE_KINDS
+from tests.conftest import ROOT
 from tests.encoders.bundle.conftest import change
 
 SIZE = FEATURE_KINDS["body"].size
@@ -50,6 +54,8 @@ def model(*nodes: bytes, tensors: tuple[bytes, ...] = (), more: bytes = b"", aro
 
 
 NUMBERS = tensor("c", 4, data=bytes(32))
+LARGE = tensor("w", 1 << 24, data=bytes(1 << 23))
+SQUARING = [node("Mul", f"s{i} s{i}", f"s{i + 1}") for i in range(64)]
 DOUBLING = [node("Concat", f"c{i} c{i}", f"c{i + 1}") for i in range(40)]
 
 
@@ -81,6 +87,8 @@ DOUBLING = [node("Concat", f"c{i} c{i}", f"c{i + 1}") for i in range(40)]
         (model(node("Identity", "c", "c0"), *DOUBLING, tensors=(NUMBERS,)), "Concat of constants"),
         (model(*[node("MatMul", "d d")] * 99, tensors=(tensor("d", 5000, data=bytes(40_000)),)), "computed"),
         (model(*[node("Add")] * (MAX_NODES + 1)), "nodes"),
+        (model(node("Shape", "x", "s"), node("Add", "s c", "t"), node("MatMul", "t t"), tensors=(NUMBERS,)), "MatMul"),
+        (model(node("Identity", "w", "v"), node("Shape", "x", "s0"), *SQUARING, tensors=(LARGE,)), "of shapes alone"),
     ],
 )  # fmt: skip
 def test_a_graph_that_is_no_encoder_is_refused(copy: Path, graph: bytes, reason: str) -> None:
@@ -118,6 +126,38 @@ def test_a_graph_that_grows_at_work_runs_into_a_bound(monkeypatch: pytest.Monkey
     assert sessions._has_bounded_allocator(Runtime)
     assert sessions._has_bounded_allocator(Runtime)
     assert asked == [sessions.MEMORY]
+
+
+def growing() -> bytes:
+    """A graph of a few bytes that makes 400 MB of the shape of its input, which is known as it is loaded."""
+
+    def value(name: str, *dims: int) -> bytes:
+        shape = b"".join(field(1, field(1, size)) for size in dims)
+        return field(1, name) + field(2, field(1, field(1, 1) + field(2, shape)))
+
+    last = field(5, field(1, "start") + field(3, 2) + field(20, 2))
+    nodes = [
+        node("Shape", "x", "s", last), node("Mul", "s c", "t"), node("ConstantOfShape", "t", "u"),
+        node("ReduceMax", "u", "v", field(5, field(1, "keepdims") + field(3, 0) + field(20, 2))), node("Add", "x v"),
+    ]  # fmt: skip
+    around = field(2, "g") + field(11, value("x", 1, 1, 96)) + field(12, value("y", 1, 1, 96))
+    return model(*nodes, tensors=(tensor("c", 1, data=(1 << 20).to_bytes(8, "little")),), more=around)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the peak of memory is not known")
+def test_a_graph_that_grows_as_it_is_loaded_does_so_at_work_alone(tmp_path: Path) -> None:
+    (tmp_path / "x.onnx").write_bytes(growing())
+    script = (
+        "import resource, sys, onnxruntime, numpy; from pathlib import Path; from encoders.bundle import sessions\n"
+        "unit = 1 << (20 if sys.platform == 'darwin' else 10)\n"
+        "peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // unit\n"
+        "before, path = peak(), Path(sys.argv[1]); session = sessions.open_session(path, 1); loaded = peak()\n"
+        "sessions.run(session, path, {'x': numpy.zeros((1, 1, 96), 'f')}); print(loaded - before, peak() - before)"
+    )
+    command = [sys.executable, "-c", script, str(tmp_path / "x.onnx")]
+    ran = subprocess.run(command, capture_output=True, env={**os.environ, "PYTHONPATH": str(ROOT)}, check=True)
+    loaded, worked = map(int, ran.stdout.split())
+    assert loaded < 100 < 200 < worked
 
 
 def test_a_token_that_the_model_does_not_know_is_an_error(copy: Path) -> None:
