@@ -58,11 +58,13 @@ def memory(around: Path, clips: int) -> None:
             path.parent.mkdir(exist_ok=True)
             path.touch()
             os.utime(path, ns=(0, 0))
-        began = time.monotonic()
-        ran = subprocess.run([sys.executable, "-m", "motionseek_main", "index", place], check=True, capture_output=True)
-        print(ran.stdout.decode().strip() or ran.stderr.decode().strip())
-        peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3
-        print(f"{clips} clips, {windows} windows: {peak:.0f} MB at most, {time.monotonic() - began:.0f} s")
+        print(f"{clips} clips, {windows} windows")
+        for command in ("index", "check"):
+            began = time.monotonic()
+            process = subprocess.Popen([sys.executable, "-m", "motionseek_main", command, place])
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            print(f"{command}: {usage.ru_maxrss / 1e3:.0f} MB at most, {time.monotonic() - began:.0f} s")
 
 
 def new(counts: list[int], identical: bool) -> None:

@@ -10,10 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
 from encoders.errors import LibraryDamaged, LibraryNotFound
 from indexer.ingest.scan import walk
+from indexer.maintenance.row_sums import sum_of_rows
 from indexer.maintenance.salvage import UNFINISHED
 from indexer.store import digests, poses, schema
 from indexer.store.files import ARRAYS_ROOT
@@ -192,15 +191,8 @@ def _check_indexes(library: StoredLibrary, found: Findings) -> None:
     """Compare the vectors that are searched with those in the database."""
     with library.reading() as connection:
         for kind in (CLIPS, WINDOWS):
-            held = library.indexes.current(kind, connection).rows
-            order = np.lexsort((held.spans[:, 1], held.spans[:, 0], held.owners))
-            stored = library.indexes.since(kind, connection, -1)
-            other = np.lexsort((stored.spans[:, 1], stored.spans[:, 0], stored.owners))
-            same = len(held) == len(stored) and all(
-                np.array_equal(getattr(held, part)[order], getattr(stored, part)[other])
-                for part in ("owners", "spans", "vectors")
-            )
-            if not same:
+            held = library.indexes.current(kind, connection)
+            if sum_of_rows(held.pieces()) != sum_of_rows(library.indexes.stored(kind, connection)):
                 found.indexes = True
                 found.faults.append(Fault(f"vectors/{kind.name}", "holds other vectors than the library"))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, cast
@@ -14,6 +15,8 @@ SearchResult = tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32]
 
 #: Products of a query and a row from which on threads pay for their start.
 _WORTH_THREADS = 1 << 22
+#: Rows that are looked at together where all are.
+_PIECE = 1 << 12
 
 
 @dataclass(frozen=True)
@@ -122,6 +125,13 @@ class Block:
             return IndexRows.none(size)
         return IndexRows(self.owners, self.spans, np.asarray(_Codes(self.index, count, size)))
 
+    def pieces(self) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float16]]]:
+        """Numbers of rows and their vectors, each row once, in pieces of a bounded size or a cluster."""
+        vectors = self.rows.vectors
+        for first in range(0, len(vectors), _PIECE):
+            piece = vectors[first : first + _PIECE]
+            yield np.arange(first, first + len(piece)), piece
+
     @cached_property
     def _order(self) -> NDArray[np.int64] | None:
         """Row numbers in order of owners, None where rows lie so already; found once for a block."""
@@ -175,6 +185,14 @@ class MaskedBlock:
     def rows(self) -> IndexRows:
         """The rows that are not removed."""
         return self.block.rows if self.mask is None else self.block.rows[self.present]
+
+    def pieces(self) -> Iterator[IndexRows]:
+        """The same in pieces; see `Block.pieces`."""
+        present = self.present
+        for places, vectors in self.block.pieces():
+            kept = present[places]
+            places = places[kept]
+            yield IndexRows(self.block.owners[places], self.block.spans[places], vectors[kept])
 
     def without(self, owners: NDArray[np.int64]) -> MaskedBlock:
         """The block without the rows of these owners."""

@@ -8,6 +8,7 @@ Vectors without any clusters, random ones or those of an untrained model, are wh
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, cast
 
 import numpy as np
@@ -43,17 +44,22 @@ class ClusteredBlock(Block):
     @property
     def rows(self) -> IndexRows:
         """The rows in their order; the vectors are a copy."""
+        vectors = np.empty((self.index.ntotal, self.index.d), np.float16)
+        for places, part in self.pieces():
+            vectors[places] = part
+        return IndexRows(self.owners, self.spans, vectors)
+
+    def pieces(self) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float16]]]:
+        """See `Block.pieces`: a cluster at a time, as views of the index's memory."""
         import faiss
 
         lists, size = self.index.invlists, self.index.d
-        vectors = np.empty((self.index.ntotal, size), np.float16)
         for cluster in range(self.index.nlist):
             count = lists.list_size(cluster)
             if count:
                 places = faiss.rev_swig_ptr(lists.get_ids(cluster), count)
                 codes = faiss.rev_swig_ptr(lists.get_codes(cluster), count * size * 2)
-                vectors[places] = codes.view(np.float16).reshape(count, size)
-        return IndexRows(self.owners, self.spans, vectors)
+                yield places, codes.view(np.float16).reshape(count, size)
 
     def search(self, queries: NDArray[np.float32], k: int, mask: Mask | None) -> SearchResult:
         """See `Block.search`."""

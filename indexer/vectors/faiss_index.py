@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -78,6 +79,11 @@ class FaissIndex:
         return (
             self._main.rows if not self._added else IndexRows.join([part.rows for part in (self._main, *self._added)])
         )
+
+    def pieces(self) -> Iterator[IndexRows]:
+        """The same in pieces, in any order."""
+        for part in (self._main, *self._added):
+            yield from part.pieces()
 
     def __len__(self) -> int:
         return self._count

@@ -81,6 +81,10 @@ class LibraryIndexes:
         """The rows of the live clips that came or changed after a generation."""
         return _rows(kind, _State.of(connection), generation)
 
+    def stored(self, kind: IndexKind, connection: sqlite3.Connection) -> Iterator[IndexRows]:
+        """The rows of all live clips in pieces, as the database has them."""
+        return _pieces(kind, _State.of(connection), -1)
+
     def _refresh(self, kind: IndexKind, state: _State, held: _Held | None, serving: bool) -> _Held:
         """The index of a state, from an older one in memory or on disk; it is held from now on."""
         origin = state.origin_of(state.generation) or ""
