@@ -31,13 +31,15 @@ from indexer.vectors.blocks import IndexRows, SearchResult
 from indexer.vectors.faiss_index import FaissIndex
 from search.moments.localisation import rank_moments
 from search.moments.queried_motion import QueriedMotion
-from search.moments.window_scores import CURVE_LENGTHS, join, score_windows
+from search.moments.window_scores import join, score_windows
 from search.query.encoding import encode_queries
 from search.query.question import EncodedQuestion
 from search.ranking.clip_scores import rank_windows
 from search.source import MotionSource
 from search.spans import temporal_iou
 
+#: Seconds of the windows that are encoded beside those of the grid.
+_DENSE_LENGTHS = (2.0, 2.8, 4.0)
 DEMO = Path(__file__).resolve().parent.parent / "search" / "demo_data"
 SENTENCES = ("a person kicks", "a person sits down", "someone climbs a ladder", "a person jumps", "walking backwards")
 
@@ -62,7 +64,7 @@ def dense(seconds: float = 600.0, alone: int = 200) -> None:
     motion = long_take(seconds)
     features = bundle.features(motion)
     queries = encode_queries(bundle, SENTENCES)
-    lengths = sorted({round(length * bundle.fps) for length in (*CURVE_LENGTHS, *GRID_LENGTHS)})
+    lengths = sorted({round(length * bundle.fps) for length in (*_DENSE_LENGTHS, *GRID_LENGTHS)})
     starts = {length: window_starts(len(features), length) for length in lengths}
     windows = [(int(start), length) for length in lengths for start in starts[length]]
     network = TMR(default_network(features.shape[1], 384)).motion_encoder.eval()

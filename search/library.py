@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,15 +23,16 @@ from search.export.cut import RATES, writable, write_cut
 from search.export.hit_files import export_hits
 from search.hits import Hit, Hits
 from search.marking import MarkedLibrary
-from search.moments.across_library import answers_in_candidates, best_moments
-from search.moments.one_motion import moments_of
+from search.moments.across_library import answers_in_candidates, moments_across
+from search.moments.one_motion import clip_answer, moments_of
 from search.moments.queried_motion import QueriedMotion
 from search.moments.segments import Segment, segment_motion
 from search.query.filters import FilterArguments, Filters, refuse_filters
 from search.query.question import EncodedQuestion, Question
 from search.ranking.alignment import RERANKED, rerank_by_alignment
-from search.ranking.answers import Answer, as_hits
-from search.ranking.clip_scores import ClipScore, best_clips
+from search.ranking.answers import Answer, as_hits, checked_strength
+from search.ranking.batched import batched
+from search.ranking.clip_scores import best_clips, rank_clips
 from search.ranking.description import describe_motion
 from search.references import Ref, is_vector, source_of, span_of
 from search.source import MotionSource
@@ -43,16 +43,18 @@ if TYPE_CHECKING:
 
 Ids = NDArray[np.int64]
 
-#: Clips read at once.
-_CHUNK = 1000
+#: Clips read at once, and of those found, whose moments are looked for.
+_CHUNK, _REFINED = 1000, 10
 
 
 class Library(MarkedLibrary):
     """A library of motions that answers questions. Safe to share between threads.
 
-    Searches answer with at most `k` hits, best first. They take filters as keyword arguments, which choose the clips
-    to search in: `min_duration` and `max_duration` in seconds, `path` (a pattern such as "fights/*"), `rig`, `format`,
-    `captioned` (True or False), `split`, and of what people have marked `starred` (True or False), `tag`, `collection`.
+    Searches answer with at most `k` hits, best first, of at least `min_strength` ("weak", "plausible" or "strong"). If
+    it is not given, weak ones are left out where the first is better. They take filters as keyword arguments, which
+    choose the clips to search in: `min_duration` and `max_duration` in seconds, `path` (a pattern such as "fights/*"),
+    `rig`, `format`, `captioned` (True or False), `split`, and of what people have marked `starred` (True or False),
+    `tag`, `collection`.
 
     A reference `ref` is a file; a clip of the library by path (after its root's name, where there are several), name or
     "#number"; a `Clip`, a `Hit`, a `Motion`, or an array of joints (T, 22, 3) with its frame rate `fps` (default 20).
@@ -121,8 +123,15 @@ class Library(MarkedLibrary):
         arrays.remove(self._writable(), ids)
 
     @one_snapshot
-    def search(self, query: str | ArrayLike, k: int = 10, **filters: Unpack[FilterArguments]) -> Hits:
-        """The clips that fit a sentence best, each with the span that does.
+    def search(
+        self,
+        query: str | ArrayLike,
+        k: int = 10,
+        *,
+        min_strength: str | None = None,
+        **filters: Unpack[FilterArguments],
+    ) -> Hits:
+        """The clips that fit a sentence best, each with the moment that does, the first of its `moments`.
 
         Parameters
         ----------
@@ -130,12 +139,20 @@ class Library(MarkedLibrary):
             A sentence, or a vector of the model's space, of any length, such as one of `Encoder.encode_texts`.
         """
         question = self.encode(Question.of(query, split_steps=False)) if isinstance(query, str) else self._vector(query)
-        return self.search_encoded(question, k, **filters)
+        return self.search_encoded(question, k, min_strength=min_strength, **filters)
 
     @one_snapshot
-    def search_encoded(self, question: EncodedQuestion, k: int = 10, **filters: Unpack[FilterArguments]) -> Hits:
+    def search_encoded(
+        self,
+        question: EncodedQuestion,
+        k: int = 10,
+        *,
+        min_strength: str | None = None,
+        **filters: Unpack[FilterArguments],
+    ) -> Hits:
         """The clips that fit a question that is encoded already; see `search`."""
-        return self._clip_hits(question, checked_count(k), self.allowed(**filters))
+        k, least = checked_count(k), checked_strength(min_strength)
+        return self._clip_hits(question, k, least, self.allowed(**filters))
 
     @one_snapshot
     def moments(
@@ -147,6 +164,7 @@ class Library(MarkedLibrary):
         then: Sequence[str] = (),
         meanwhile: Sequence[str] = (),
         split_steps: bool = True,
+        min_strength: str | None = None,
         fps: float | None = None,
         up: str | None = None,
         **filters: Unpack[FilterArguments],
@@ -166,9 +184,8 @@ class Library(MarkedLibrary):
         split_steps : bool
             Whether a sentence that states steps is split into them.
         """
-        return self.answer(
-            Question.of(text, then, meanwhile, split_steps=split_steps), ref, k, fps=fps, up=up, **filters
-        )
+        question = Question.of(text, then, meanwhile, split_steps=split_steps)
+        return self.answer(question, ref, k, min_strength=min_strength, fps=fps, up=up, **filters)
 
     @one_snapshot
     def answer(
@@ -177,16 +194,18 @@ class Library(MarkedLibrary):
         ref: Ref | None = None,
         k: int = 10,
         *,
+        min_strength: str | None = None,
         fps: float | None = None,
         up: str | None = None,
         **filters: Unpack[FilterArguments],
     ) -> Hits:
         """The moments that answer a question, in one motion or anywhere in the library; see `moments`."""
+        k, least = checked_count(k), checked_strength(min_strength)
         if ref is None:
-            return self._moment_hits(self.encode(question), checked_count(k), self.allowed(**filters))
+            return self._moment_hits(self.encode(question), k, least, self.allowed(**filters))
         refuse_filters(filters)
-        k, source = checked_count(k), self.source(ref, fps=fps, up=up)
-        return moments_of(QueriedMotion(self.bundle, source, self.encode(question)), k)
+        source = self.source(ref, fps=fps, up=up)
+        return moments_of(QueriedMotion(self.bundle, source, self.encode(question)), k, least)
 
     def encode(self, question: Question) -> EncodedQuestion:
         """The question with its query vectors."""
@@ -241,8 +260,7 @@ class Library(MarkedLibrary):
         if checked_flag("captions", captions) and labels is not None:
             raise ArgumentError("labels and captions=True exclude each other; give one")
         given = sorted(set(self.caption_vectors()[0])) if captions else labels
-        source = self.source(ref, fps=fps, up=up)
-        return segment_motion(self.bundle, source.motion, given, start=source.start)
+        return segment_motion(self.bundle, self.source(ref, fps=fps, up=up), given)
 
     @one_snapshot
     def export(
@@ -341,6 +359,7 @@ class Library(MarkedLibrary):
         end: float | None = None,
         *,
         moments: bool = False,
+        min_strength: str | None = None,
         fps: float | None = None,
         up: str | None = None,
         **filters: Unpack[FilterArguments],
@@ -353,22 +372,26 @@ class Library(MarkedLibrary):
             A reference, or a vector (D,) or (1, D) of the model's space, such as one of `Encoder.encode_motions`.
         """
         k, moments, allowed = checked_count(k), checked_flag("moments", moments), self.allowed(**filters)
+        least = checked_strength(min_strength)
         if isinstance(ref, list) or is_vector(ref):
             if (start, end, fps, up) != (None, None, None, None):
                 raise ArgumentError("start, end, fps and up are for motions, and a vector is given")
             question = self._vector(ref, kind="motion")
-            return self._moment_hits(question, k, allowed) if moments else self._clip_hits(question, k, allowed)
+            found_in = self._moment_hits if moments else self._clip_hits
+            return found_in(question, k, least, allowed)
         source, (start, end) = self.source(ref, fps=fps, up=up), checked_span(*span_of(ref, start, end))
         motion, is_cut = source.comparable_cut(start, end), (start, end) != (None, None)
         question = EncodedQuestion(self.bundle.encode_motions([motion]), kind="motion")
         if source.clip_id >= 0:
             allowed = np.setdiff1d(self.ids() if allowed is None else allowed, [source.clip_id])
-        if moments:
-            return self._moment_hits(question, k, allowed)
-        if is_cut:
-            return self._clip_hits(question, k, allowed)
+        if moments or is_cut:
+            return (self._moment_hits if moments else self._clip_hits)(question, k, least, allowed)
         found = best_clips(self, question.vectors[0], max(k, RERANKED), allowed=allowed, windows=False)
-        return self._hits(question, rerank_by_alignment(self.bundle, self, motion, found)[:k])
+        ranked = rerank_by_alignment(self.bundle, self, motion, found)
+        sources = self._sources([score.clip_id for score in ranked])
+        named = [(sources[score.clip_id], score) for score in ranked]
+        answers = [Answer(source, s.moment(source.duration), (s.score,)) for source, s in named]
+        return as_hits(self.bundle, question, answers, k, least)
 
     def duplicates(
         self, *, progress: Progress | None = None, **filters: Unpack[FilterArguments]
@@ -406,21 +429,21 @@ class Library(MarkedLibrary):
         """A query vector as a question."""
         return EncodedQuestion(unit_vector(vector, self.bundle.latent_size)[None], kind=kind)
 
-    def _clip_hits(self, question: EncodedQuestion, k: int, allowed: Ids | None) -> Hits:
-        return self._hits(question, best_clips(self, question.vectors[0], k, allowed=allowed))
+    def _clip_hits(self, question: EncodedQuestion, k: int, least: str | None, allowed: Ids | None) -> Hits:
+        def answers() -> Iterator[Answer]:
+            for batch in batched(rank_clips(self, question.vectors[0], allowed=allowed), _REFINED):
+                sources = self._sources([score.clip_id for score in batch])
+                for score in batch:
+                    yield clip_answer(QueriedMotion(self.bundle, sources[score.clip_id], question), score.score)
 
-    def _hits(self, question: EncodedQuestion, found: Sequence[ClipScore]) -> Hits:
-        sources = self._sources([score.clip_id for score in found])
-        named = [(sources[score.clip_id], score) for score in found]
-        return as_hits(self.bundle, question, [Answer(source, s.moment(source.duration)) for source, s in named])
+        return as_hits(self.bundle, question, answers(), k, least)
 
-    def _moment_hits(self, question: EncodedQuestion, k: int, allowed: Ids | None) -> Hits:
+    def _moment_hits(self, question: EncodedQuestion, k: int, least: str | None, allowed: Ids | None) -> Hits:
         if question.how == "alone":
-            located = best_moments(self.bundle, self, self._source_of, question, k, allowed=allowed)
-            sources = self._sources([clip_id for clip_id, _ in located])
-            return as_hits(self.bundle, question, [Answer(sources[clip_id], moment) for clip_id, moment in located])
-        found = answers_in_candidates(self.bundle, self, self._sources, question, allowed=allowed)
-        return as_hits(self.bundle, question, list(islice(found, k)))
+            answers = moments_across(self.bundle, self, self._source_of, question, allowed=allowed)
+        else:
+            answers = answers_in_candidates(self.bundle, self, self._sources, question, allowed=allowed)
+        return as_hits(self.bundle, question, answers, k, least)
 
     def _source_of(self, clip_id: int) -> MotionSource:
         return MotionSource.of_clip(self, self.clip(clip_id))

@@ -231,7 +231,7 @@ class MotionSource:
             duration=self.duration,
             caption=self.caption(start, self.start + moment.end),
             clip_id=self.clip_id,
-            steps=tuple(replace(s, start=self.start + s.start, end=self.start + s.end) for s in steps),
+            steps=tuple(replace(s, start=self.start + s.start, end=min(self.start + s.end, end)) for s in steps),
             root=self.root,
             file=None if self.file is None else self.file.absolute(),
             source_fps=self.reading.source_fps if frames else None,

@@ -14,6 +14,7 @@ from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
 from search.moments.segments import Segment, segment_motion
 from search.query.question import Question
+from search.ranking.answers import checked_strength
 from search.ranking.description import describe_motion
 from search.references import Ref, source_of, span_of
 from search.source import MotionSource
@@ -27,6 +28,7 @@ def moments(
     then: Sequence[str] = (),
     meanwhile: Sequence[str] = (),
     split_steps: bool = True,
+    min_strength: str | None = None,
     fps: float | None = None,
     up: str | None = None,
     bundle: Encoder | None = None,
@@ -47,6 +49,9 @@ def moments(
         What happens at the same time.
     split_steps : bool
         Whether a sentence that states steps is split into them.
+    min_strength : str, optional
+        The least strength of a hit: "weak", "plausible" or "strong". If not given, weak ones are left out where the
+        first is better.
     fps : float, optional
         Frames a second of an array, 20 if not given, or the true frame rate of a file.
     up : str, optional
@@ -62,8 +67,8 @@ def moments(
         If a file cannot be read.
     """
     k, question = checked_count(k), Question.of(text, then, meanwhile, split_steps=split_steps)
-    encoder = _encoder(bundle)
-    return moments_of(QueriedMotion(encoder, _source(ref, fps, up), question.encode(encoder)), k)
+    encoder, least = _encoder(bundle), checked_strength(min_strength)
+    return moments_of(QueriedMotion(encoder, _source(ref, fps, up), question.encode(encoder)), k, least)
 
 
 def describe(
@@ -107,8 +112,7 @@ def segment(
     labels : sequence of str, optional
         The labels; the shipped vocabulary if not given. A segment that none of them fits has an empty one.
     """
-    source = _source(ref, fps, up)
-    return segment_motion(_encoder(bundle), source.motion, labels, start=source.start)
+    return segment_motion(_encoder(bundle), _source(ref, fps, up), labels)
 
 
 def _encoder(bundle: Encoder | None) -> Encoder:

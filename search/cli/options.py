@@ -50,6 +50,22 @@ hits = click.option(
     show_default=True,
     help="Maximum number of hits.",
 )
+
+
+def min_strength(command: F) -> F:
+    """Adds the options that say how strong a hit must be, as the one argument `min_strength`."""
+    all_of_them = click.option(
+        "--all", "min_strength", flag_value="weak", help="List weak hits, too, where the first is better."
+    )
+    least = click.option(
+        "--min-strength",
+        "min_strength",
+        type=click.Choice(["weak", "plausible", "strong"]),
+        help="The least strength of a hit. [default: plausible where the first hit is, else weak]",
+    )
+    return least(all_of_them(command))
+
+
 library = click.option(
     "--library",
     "folder",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from encoders.protocol import Encoder
 from indexer.vectors.blocks import IndexRows, SearchResult
 from indexer.vectors.faiss_index import FaissIndex
 from search.evaluate.moment_metrics import Overlaps, Spans, best_overlaps
-from search.moments.across_library import best_moments
+from search.moments.across_library import moments_across
 from search.query.question import EncodedQuestion
 from search.source import MotionSource
 
@@ -26,6 +27,7 @@ class TakeGallery:
         self._encoder = encoder
         self._takes: list[AnnotatedTake] = []
         self._sources: list[MotionSource] = []
+        self._numbers: dict[int, int] = {}  # of each source, by its identity
         self._queries: list[tuple[int, Annotation, Vectors]] = []
         self._index: FaissIndex | None = None
 
@@ -37,6 +39,7 @@ class TakeGallery:
         self._queries += [
             (len(self), annotation, query) for annotation, query in zip(take.annotations, queries, strict=True)
         ]
+        self._numbers[id(source)] = len(self)
         self._takes.append(take)
         self._sources.append(source)
         self._index = None
@@ -63,7 +66,8 @@ class TakeGallery:
         """
         any_take, own_take = Overlaps(), Overlaps()
         for own, annotation, query in self._queries:
-            found = best_moments(self._encoder, self, self._sources.__getitem__, EncodedQuestion(query[None]), k)
+            answers = moments_across(self._encoder, self, self._sources.__getitem__, EncodedQuestion(query[None]))
+            found = [(self._numbers[id(answer.source)], answer.moment) for answer in islice(answers, k)]
             overlaps = np.array(
                 [
                     best_overlaps([(moment.start, moment.end)], self._truth(number, own, annotation))[0]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +21,8 @@ from search.evaluate.library_moments import TakeGallery
 from search.evaluate.moment_metrics import Overlaps, Spans, best_overlaps
 from search.evaluate.moments_baseline import SIZES, best_of
 from search.evaluate.sequence_questions import draw_sequences, search_sequence, sequence_figures
-from search.evaluate.window_cache import WindowCache
 from search.moments.one_motion import find
 from search.moments.queried_motion import QueriedMotion
-from search.moments.window_scores import CURVE_LENGTHS
 from search.query.encoding import encode_queries
 from search.query.question import EncodedQuestion
 from search.source import MotionSource
@@ -57,17 +56,14 @@ def evaluate_moments(
         own take"; and "three steps in order".
     """
     methods: dict[str, Overlaps] = defaultdict(Overlaps)
-    cached = WindowCache(encoder)
-    gallery, in_order, rng = TakeGallery(cached), list[float](), np.random.default_rng(0)
-    curve_lengths = {round(seconds * encoder.fps) for seconds in CURVE_LENGTHS}
+    gallery, in_order, rng = TakeGallery(encoder), list[float](), np.random.default_rng(0)
     for number, take in enumerate(takes, start=1):
         source = MotionSource.of_motion(take.motion)
         queries = encode_queries(encoder, [annotation.sentence for annotation in take.annotations])
-        _search_take(methods, encoder, cached, source, take, queries)
+        _search_take(methods, encoder, source, take, queries)
         if sequences:
-            in_order += [search_sequence(cached, source, take, s) for s in draw_sequences(take, rng, _SEQUENCES)]
+            in_order += [search_sequence(encoder, source, take, s) for s in draw_sequences(take, rng, _SEQUENCES)]
         gallery.add(take, source, queries)
-        cached.keep_only(curve_lengths)
         if progress is not None:
             progress(number)
     every = "motionseek, all takes at once"
@@ -79,16 +75,15 @@ def evaluate_moments(
 def _search_take(
     methods: dict[str, Overlaps],
     encoder: Encoder,
-    cached: Encoder,
     source: MotionSource,
     take: AnnotatedTake,
     queries: NDArray[np.float32],
 ) -> None:
     """Add the answers of every method to all sentences of one take."""
-    windows = _grid_spans(len(source.features(cached)), encoder.fps)
+    windows = _grid_spans(len(source.features(encoder)), encoder.fps)
     baseline = best_of(encoder, take.motion, queries)
     for annotation, query, slid in zip(take.annotations, queries, baseline, strict=True):
-        found = find(QueriedMotion(cached, source, EncodedQuestion(query[None])), _ANSWERS)
+        found = islice(find(QueriedMotion(encoder, source, EncodedQuestion(query[None]))), _ANSWERS)
         moments = [(answer.moment.start, answer.moment.end) for answer in found]
         best = [(slid[0].start, slid[0].end)]
         methods["motionseek"].add(moments, annotation.spans)

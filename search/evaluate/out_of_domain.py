@@ -30,7 +30,7 @@ def evaluate_out_of_domain(encoder: Encoder, gallery: NDArray[np.float32]) -> di
     sentences = [line for line in _SENTENCES.read_text(encoding="utf-8").splitlines() if line.strip()]
     queries = encode_queries(encoder, sentences)
     strengths = [
-        judge(encoder, EncodedQuestion(query[None], (sentence,)), [float(np.max(gallery @ query))])[0]
+        judge(encoder, EncodedQuestion(query[None], (sentence,)), [[float(np.max(gallery @ query))]])[0]
         for sentence, query in zip(sentences, queries, strict=True)
     ]
     return {

@@ -34,11 +34,11 @@ def search_sequence(encoder: Encoder, source: MotionSource, take: AnnotatedTake,
     question = Question.of(", then ".join(texts))
     if len(question.sentences) != len(events):
         return 0.0
-    found = find(QueriedMotion(encoder, source, question.encode(encoder)), 1)
-    if not found:
+    found = next(find(QueriedMotion(encoder, source, question.encode(encoder))), None)
+    if found is None:
         return 0.0
     truth = {annotation.sentence: annotation.spans for annotation in take.annotations}
-    return sequence_overlap([(step.start, step.end) for step in found[0].steps], [truth[e.sentence] for e in events])
+    return sequence_overlap([(step.start, step.end) for step in found.steps], [truth[e.sentence] for e in events])
 
 
 def sequence_overlap(found: Spans, truths: list[Spans]) -> float:

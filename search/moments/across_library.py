@@ -1,45 +1,40 @@
-"""The best moments of all clips of a library: the nearest windows are candidates, and each is refined in its clip."""
+"""The best moments of all clips of a library: the nearest windows say in which clips they are, and where."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
 from itertools import islice
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.protocol import Encoder
-from search.moments.localisation import refine, without_overlap
-from search.moments.one_motion import find
+from search.moments.localisation import moments_at
+from search.moments.one_motion import answer_of, find
 from search.moments.queried_motion import QueriedMotion
 from search.query.question import EncodedQuestion
 from search.ranking.answers import Answer
 from search.ranking.batched import batched
-from search.ranking.clip_scores import ClipGallery, ClipScore, WindowGallery, rank_candidate_clips, rank_windows
+from search.ranking.clip_scores import ClipGallery, WindowGallery, rank_candidate_clips, rank_windows
 from search.source import MotionSource
 from search.spans import Moment
 
-#: A clip's id and a moment of it.
-LocatedMoment: TypeAlias = "tuple[int, Moment]"
-
-#: Candidates refined in one batch, and motions whose features are kept for the next batches.
+#: Windows of one batch, and motions whose similarity over time is kept for the next batches.
 _BATCH, _KEPT = 10, 48
 #: Clips searched in one batch when several sentences are asked, and answers of each.
 _CLIPS, _OF_EACH = 20, 10
 
 
-def best_moments(
+def moments_across(
     encoder: Encoder,
     gallery: WindowGallery,
     source_of: Callable[[int], MotionSource],
     question: EncodedQuestion,
-    k: int,
     *,
     allowed: NDArray[np.int64] | None = None,
-) -> list[LocatedMoment]:
-    """At most k moments, best first within each batch of candidates.
+) -> Iterator[Answer]:
+    """The moments of all clips, each one that its clip has by itself, best first within each batch of windows.
 
     Parameters
     ----------
@@ -53,7 +48,15 @@ def best_moments(
         Ids of the clips to search in; all if not given.
     """
     queried = lru_cache(_KEPT)(lambda clip_id: QueriedMotion(encoder, source_of(clip_id), question))
-    return list(islice(_ranked(queried, rank_windows(gallery, question.vectors[0], allowed=allowed)), k))
+    known: set[tuple[int, Moment]] = set()
+    for batch in batched(rank_windows(gallery, question.vectors[0], allowed=allowed), _BATCH):
+        new: list[tuple[int, Moment]] = []
+        for clip_id in dict.fromkeys(window.clip_id for window in batch):
+            places = [window.moment(window.end or 0.0) for window in batch if window.clip_id == clip_id]
+            new += [(clip_id, moment) for moment in moments_at(queried(clip_id), places)]
+        new = sorted((found for found in new if found not in known), key=lambda found: -found[1].rank_score)
+        known.update(new)
+        yield from (answer_of(queried(clip_id), moment) for clip_id, moment in new)
 
 
 def answers_in_candidates(
@@ -75,22 +78,6 @@ def answers_in_candidates(
         found = [
             answer
             for source in sources_of(ids).values()
-            for answer in find(QueriedMotion(encoder, source, question), _OF_EACH)
+            for answer in islice(find(QueriedMotion(encoder, source, question)), _OF_EACH)
         ]
-        yield from sorted(found, key=lambda answer: -answer.moment.score)
-
-
-def _ranked(queried: Callable[[int], QueriedMotion], windows: Iterator[ClipScore]) -> Iterator[LocatedMoment]:
-    known: list[LocatedMoment] = []
-    for batch in batched(windows, _BATCH):
-        found = [
-            (clip_id, moment)
-            for clip_id in dict.fromkeys(window.clip_id for window in batch)
-            for moment in without_overlap(
-                refine(queried(clip_id), [w.moment(w.end or 0.0) for w in batch if w.clip_id == clip_id]),
-                [moment for clip, moment in known if clip == clip_id],
-            )
-        ]
-        found.sort(key=lambda located: -located[1].score)
-        known += found
-        yield from found
+        yield from sorted(found, key=lambda answer: -answer.moment.rank_score)

@@ -13,6 +13,18 @@ _MIN_DROP = 0.16
 _HIGHER = 0.05
 #: How much below that a moment may dip and still be one, in seconds times cosine.
 _DIP = 0.1
+#: Gain beyond the ends of the motion and where a higher moment begins: nothing makes up for it.
+_NEVER = -1e3
+#: Seconds on either side of a peak that are looked at first; four times as many while a moment goes on.
+_REACH = 30.0
+#: Peaks that are grown at once.
+_PEAKS = 256
+
+
+def local_maxima(similarity: NDArray[np.floating]) -> NDArray[np.int64]:
+    """The frames (P,) of a curve (T',) that are higher than the one before and no lower than the next."""
+    rise = np.diff(similarity) > 0
+    return np.flatnonzero(np.r_[True, rise] & ~np.r_[rise, False])
 
 
 def gains(similarity: NDArray[np.floating], level: float, first: int, last: int) -> NDArray[np.float64]:
@@ -28,26 +40,44 @@ def gains(similarity: NDArray[np.floating], level: float, first: int, last: int)
     -------
     float64 array (T',)
     """
-    peak = float(similarity[first:last].max())
-    threshold = peak - max(_UPPER * (peak - level), _MIN_DROP)
-    return np.asarray(similarity, np.float64) - threshold
+    return np.asarray(similarity, np.float64) - _threshold(similarity[first:last].max(), level)
 
 
-def grow(similarity: NDArray[np.floating], level: float, fps: float, first: int, last: int) -> tuple[int, int]:
-    """The moment around the peak within the frames from `first` to `last`, as a range of frames.
+def grow(
+    similarity: NDArray[np.floating], level: float, fps: float, peaks: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The moments around the peaks (P,) as ranges of frames: first and end frames (P,).
 
-    From the peak it grows to either side to where its gains add up to most, stopping where they have fallen too far
-    below that, as alignments are extended in sequence search (X-drop; Altschul et al. 1990), or where a higher moment
-    begins.
+    From its peak a moment grows to either side to where its gains add up to most, stopping where they have fallen too
+    far below that, as alignments are extended in sequence search (X-drop; Altschul et al. 1990), or where a higher
+    moment begins.
     """
-    peak = first + int(np.argmax(similarity[first:last]))
-    gain = np.where(similarity > similarity[peak] + _HIGHER, -np.inf, gains(similarity, level, first, last))
-    left, right = _extent(gain[:peak][::-1], _DIP * fps), _extent(gain[peak + 1 :], _DIP * fps)
-    return peak - left, peak + 1 + right
+    first, end = np.empty_like(peaks), np.empty_like(peaks)
+    for at in range(0, len(peaks), _PEAKS):
+        some = slice(at, at + _PEAKS)
+        first[some] = peaks[some] - _extents(similarity, level, fps, peaks[some], -1)
+        end[some] = peaks[some] + 1 + _extents(similarity, level, fps, peaks[some], 1)
+    return first, end
 
 
-def _extent(gain: NDArray[np.float64], dip: float) -> int:
-    """How many of the first frames add up to most before the sum falls by more than `dip` below its highest."""
-    total = np.concatenate([[0.0], np.cumsum(gain)])
-    fallen = np.flatnonzero(np.maximum.accumulate(total) - total > dip)
-    return int(np.argmax(total[: fallen[0]] if len(fallen) else total))
+def _threshold(peak: NDArray[np.floating], level: float) -> NDArray[np.float64]:
+    return np.asarray(peak - np.maximum(_UPPER * (peak - level), _MIN_DROP), np.float64)
+
+
+def _extents(
+    similarity: NDArray[np.floating], level: float, fps: float, peaks: NDArray[np.int64], side: int
+) -> NDArray[np.int64]:
+    """How many frames beside each peak belong to its moment, before (`side` -1) or after it (1)."""
+    height = similarity[peaks][:, None].astype(np.float64)
+    reach = round(_REACH * fps)
+    while True:
+        frames = peaks[:, None] + side * np.arange(1, reach + 1)
+        inside = (frames >= 0) & (frames < len(similarity))
+        beside = similarity[np.clip(frames, 0, len(similarity) - 1)]
+        gain = np.where(inside & (beside <= height + _HIGHER), beside - _threshold(height, level), _NEVER)
+        total = np.concatenate([np.zeros((len(peaks), 1)), np.cumsum(gain, axis=1)], axis=1)
+        fallen = np.maximum.accumulate(total, axis=1) - total > _DIP * fps
+        if fallen.any(axis=1).all():
+            over = np.logical_or.accumulate(fallen, axis=1)
+            return np.asarray(np.where(over, -np.inf, total).argmax(axis=1), np.int64)
+        reach *= 4

@@ -2,27 +2,38 @@
 
 from __future__ import annotations
 
-from itertools import islice
+from collections.abc import Iterator
+from dataclasses import replace
 
 from search.hits import Hits, Step
-from search.moments.localisation import rank_moments
+from search.moments.localisation import best_moment, rank_moments
 from search.moments.queried_motion import QueriedMotion
 from search.moments.sequences import enclosing, find_sequence
 from search.ranking.answers import Answer, as_hits
+from search.spans import Moment
 
 
-def find(motion: QueriedMotion, k: int) -> list[Answer]:
-    """At most k answers, best first: of a question in steps there is at most one, with its steps."""
-    question, source = motion.question, motion.source
+def find(motion: QueriedMotion) -> Iterator[Answer]:
+    """The answers, best first: of a question in steps there is at most one, with its steps."""
+    question = motion.question
     if question.how != "then":
-        return [Answer(source, moment) for moment in islice(rank_moments(motion), k)]
-    sequence = find_sequence(motion)
-    if not sequence:
-        return []
-    steps = (Step(text, m.start, m.end, m.score) for text, m in zip(question.sentences, sequence, strict=True))
-    return [Answer(source, enclosing(sequence), tuple(steps))]
+        yield from (answer_of(motion, moment) for moment in rank_moments(motion))
+    elif sequence := find_sequence(motion):
+        steps = (Step(text, m.start, m.end, m.score) for text, m in zip(question.sentences, sequence, strict=True))
+        yield Answer(motion.source, enclosing(sequence), tuple(m.peak_score for m in sequence), tuple(steps))
 
 
-def moments_of(motion: QueriedMotion, k: int) -> Hits:
-    """At most k moments of one motion as hits, best first."""
-    return as_hits(motion.encoder, motion.question, find(motion, k))
+def answer_of(motion: QueriedMotion, moment: Moment) -> Answer:
+    """A moment as an answer."""
+    return Answer(motion.source, moment, motion.peaks(moment))
+
+
+def clip_answer(motion: QueriedMotion, score: float) -> Answer:
+    """The best moment of a clip as an answer with the score of the clip."""
+    answer = answer_of(motion, best_moment(motion))
+    return answer._replace(moment=replace(answer.moment, score=score))
+
+
+def moments_of(motion: QueriedMotion, k: int, least: str | None = None) -> Hits:
+    """At most k moments of one motion as hits, best first; see `search.ranking.answers.as_hits`."""
+    return as_hits(motion.encoder, motion.question, find(motion), k, least)

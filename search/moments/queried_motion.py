@@ -8,18 +8,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.bundle.windows import LENGTHS, WINDOWS_A_LENGTH
 from encoders.protocol import Encoder, unrelated_motions
-from search.moments.window_scores import STRIDE, Vectors, WindowScores, frame_curve, similarity_at
+from search.moments.window_scores import Vectors, WindowScores, similarity_over_time
 from search.query.question import EncodedQuestion
 from search.source import MotionSource
+from search.spans import Moment
 
-#: Seconds above which a motion is long: in a library only the parts of it around candidates are read.
-_LONG = 300.0
-#: Seconds of motion read on either side of a part of a long clip: features at an instant depend on their surroundings.
-_MARGIN = 8.0
-#: Parts of a long clip begin at multiples of this, in seconds: their features are then those of the whole clip.
-_PART_GRID = 1.0
+#: Seconds above which a motion is long, and the frames from one value to the next that is then shown of its curve.
+_LONG, _SHOWN_EVERY = 300.0, 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,11 +43,6 @@ class QueriedMotion:
     def fps(self) -> float:
         """Feature frames a second."""
         return self.encoder.fps
-
-    @property
-    def is_long(self) -> bool:
-        """Whether similarity is taken from the windows of the library's grid instead of every frame."""
-        return self.source.duration > _LONG
 
     @cached_property
     def windows(self) -> list[WindowScores]:
@@ -85,31 +76,21 @@ class QueriedMotion:
         motions = unrelated_motions(self.encoder)
         return None if motions is None else np.asarray(self.queries @ motions.T)
 
-    def stretch(self, start: float, end: float) -> tuple[Vectors, float]:
-        """The features from `start` to `end`, in seconds, as far as the motion goes, and the second they begin at.
+    @cached_property
+    def similarity(self) -> Vectors:
+        """Similarity over time (Q, T'), one value for each feature frame."""
+        frames = max(round(float(self.windows[0].ends[-1]) * self.fps), 1)
+        return similarity_over_time(self.windows, (np.arange(frames, dtype=np.float64) + 0.5) / self.fps)
 
-        They begin at a multiple of `STRIDE` frames of the motion, so that a curve is the same wherever a stretch is
-        cut. Of a long clip of a library only the part around it is read.
-        """
-        features, offset = self._part(start, end)
-        first = min(max(round((start - offset) * self.fps), 0), len(features) - 1)
-        first -= min((round(offset * self.fps) + first) % STRIDE, first)
-        last = min(max(round((end - offset) * self.fps), first + 1), len(features))
-        return features[first:last], offset + first / self.fps
-
-    def _part(self, start: float, end: float) -> tuple[Vectors, float]:
-        """Features that hold the span, and the second they begin at."""
-        if not self.is_long or self.source.library is None:
-            return self.source.features(self.encoder), 0.0
-        first = max(start - _MARGIN, 0.0) // _PART_GRID * _PART_GRID
-        return self.encoder.features(self.source.read(first, end + _MARGIN)), first
-
-    def frame_curve(self, features: Vectors) -> Vectors:
-        """Similarity over time (Q, T') of a stretch (T', F)."""
-        return frame_curve(self.encoder, features, self.queries)
+    def peaks(self, moment: Moment) -> tuple[float, ...]:
+        """The highest similarity to each query (Q,) within a moment of this motion."""
+        if len(self.queries) == 1:
+            return (moment.peak_score,)
+        first = int(moment.start * self.fps)
+        return tuple(self.similarity[:, first : max(round(moment.end * self.fps), first + 1)].max(axis=1).tolist())
 
     def curve(self) -> tuple[NDArray[np.float64], Vectors]:
-        """Similarity over time of the whole motion; of a long one, that of its shortest windows.
+        """Similarity over time to show; of a long motion every fourth value.
 
         Returns
         -------
@@ -117,9 +98,6 @@ class QueriedMotion:
             Seconds of the motion's file.
         similarity : float32 array (Q, T)
         """
-        if self.is_long:
-            times = np.arange(0, self.source.duration, LENGTHS[0] / WINDOWS_A_LENGTH, dtype=np.float64)
-            return self.source.start + times, similarity_at(self.windows[0], times)
-        similarity = self.frame_curve(self.source.features(self.encoder))
-        times = (np.arange(similarity.shape[1], dtype=np.float64) + 0.5) / self.fps
-        return self.source.start + times, similarity
+        times = self.source.start + (np.arange(self.similarity.shape[1], dtype=np.float64) + 0.5) / self.fps
+        every = _SHOWN_EVERY if self.source.duration > _LONG else 1
+        return times[::every], self.similarity[:, ::every]

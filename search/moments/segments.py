@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 
 from encoders.arguments import checked_sentences
 from encoders.errors import ArgumentError
-from encoders.motion import Motion
 from encoders.protocol import Encoder, unrelated_motions
-from search.moments.window_scores import Vectors, frame_curve
+from search.moments.queried_motion import QueriedMotion
+from search.moments.window_scores import Vectors
 from search.query.encoding import encode_queries
+from search.query.question import EncodedQuestion
 from search.query.vocabulary import vocabulary
+from search.source import MotionSource
 
 #: The label of what none of the labels fits.
 UNKNOWN = ""
@@ -36,9 +38,7 @@ class Segment:
     score: float
 
 
-def segment_motion(
-    encoder: Encoder, motion: Motion, labels: Sequence[str] | None = None, *, start: float = 0.0
-) -> list[Segment]:
+def segment_motion(encoder: Encoder, source: MotionSource, labels: Sequence[str] | None = None) -> list[Segment]:
     """Divide a motion among labels so that the segments cover it all, in order, without overlap.
 
     The similarity of each label over time, less what unrelated motion scores for it, goes through Viterbi's algorithm
@@ -48,8 +48,6 @@ def segment_motion(
     ----------
     labels : sequence of str, optional
         The shipped vocabulary if not given.
-    start : float
-        The time of the motion's first frame, in seconds.
 
     Raises
     ------
@@ -60,15 +58,15 @@ def segment_motion(
     if not labels:
         raise ArgumentError("there are no labels to choose from")
     queries = encode_queries(encoder, labels)
-    similarity = frame_curve(encoder, encoder.features(motion), queries)
+    similarity = QueriedMotion(encoder, source, EncodedQuestion(queries, tuple(labels))).similarity
     excess = similarity - _unrelated(encoder, queries, similarity)[:, None] - _MARGIN
     path = best_path(np.vstack([np.zeros(excess.shape[1]), excess]), _SWITCH * encoder.fps)
     starts = np.flatnonzero(np.diff(path, prepend=-1))
     ends = np.append(starts[1:], len(path))
     return [
         Segment(
-            start + float(a / encoder.fps),
-            start + (float(b / encoder.fps) if b < len(path) else motion.duration),
+            source.start + float(a / encoder.fps),
+            source.start + (float(b / encoder.fps) if b < len(path) else source.duration),
             labels[path[a] - 1] if path[a] else UNKNOWN,
             float(similarity[path[a] - 1, a:b].mean()) if path[a] else 0.0,
         )

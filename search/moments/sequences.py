@@ -9,51 +9,40 @@ from numpy.typing import NDArray
 
 from encoders.bundle.windows import window_starts
 from search.moments.boundaries import gains
-from search.moments.localisation import REACH, frames_in
 from search.moments.queried_motion import QueriedMotion
-from search.moments.window_scores import WindowScores, join, score_windows
+from search.moments.window_scores import WindowScores, join
 from search.spans import WINDOW_BONUS, Moment, length_adjusted
 
 #: What each second between two steps costs, in cosine, and what a gap costs at most: steps follow one another closely,
 #: but a person may sit for long before standing up.
 GAP_COST, MAX_GAP_COST = 0.08, 0.25
 
-#: Lengths in seconds of the windows from which steps are chosen; from one to the next it is a tenth of their length in
+#: Lengths in seconds of the spans from which steps are chosen; from one to the next it is a tenth of their length in
 #: even frames, at least two.
-_LENGTHS = (1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0)
+_LENGTHS = (1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 12.0, 16.0)
+#: How far beyond its window a step may reach, in seconds.
+_REACH = 4.0
 #: The shortest step, in seconds.
 _SHORTEST = 0.5
 
 
 def find_sequence(motion: QueriedMotion) -> list[Moment]:
     """The moments of the steps (S of them, one for each query), in order; none where no sequence fits."""
-    sequence = best_sequence(join(motion.windows) if motion.is_long else step_windows(motion))
+    sequence = best_sequence(step_spans(motion))
     return refine_sequence(motion, sequence) if sequence else []
 
 
-def step_windows(motion: QueriedMotion) -> WindowScores:
-    """Windows from which steps are chosen, of more lengths than the library's grid has."""
-    features = motion.source.features(motion.encoder)
-    frames = len(features)
-    sizes = [size for size in (round(seconds * motion.fps) for seconds in _LENGTHS) if size <= frames] or [frames]
-    scored = [
-        score_windows(
-            motion.encoder, features, window_starts(frames, size, max(size // 20 * 2, 2)), size, motion.queries
-        )
-        for size in sizes
-    ]
-    return join([*scored, *_longer(scored[-1])])
-
-
-def _longer(windows: WindowScores) -> list[WindowScores]:
-    """Spans of one and a half and of two windows, longer than the model takes in whole: the mean of both windows."""
-    found = []
-    for shift in (0.5, 1.0):
-        later = np.searchsorted(windows.starts, windows.starts + shift * windows.lengths - 1e-6)
-        fits = later < len(windows.starts)
-        scores = np.float32(0.5) * (windows.scores[:, fits] + windows.scores[:, later[fits]])
-        found.append(WindowScores(windows.starts[fits], windows.ends[later[fits]], scores))
-    return found
+def step_spans(motion: QueriedMotion) -> WindowScores:
+    """Spans from which steps are chosen, each scored as the mean of its similarity over time."""
+    frames, fps = motion.similarity.shape[1], motion.fps
+    total = np.pad(np.cumsum(motion.similarity, axis=1, dtype=np.float64), ((0, 0), (1, 0)))
+    sizes = [size for size in (round(seconds * fps) for seconds in _LENGTHS) if size <= frames] or [frames]
+    parts = []
+    for size in sizes:
+        starts = window_starts(frames, size, max(size // 20 * 2, 2))
+        scores = (total[:, starts + size] - total[:, starts]) / size
+        parts.append(WindowScores(starts / fps, (starts + size) / fps, scores.astype(np.float32)))
+    return join(parts)
 
 
 def best_sequence(windows: WindowScores) -> list[Moment]:
@@ -75,25 +64,24 @@ def best_sequence(windows: WindowScores) -> list[Moment]:
 
 def refine_sequence(motion: QueriedMotion, sequence: Sequence[Moment]) -> list[Moment]:
     """The steps with their boundaries where similarity over time rises and falls, still in order."""
-    start, end = max(sequence[0].start - REACH, 0.0), sequence[-1].end + REACH
-    part, offset = motion.stretch(start, end)
-    similarity, fps = motion.frame_curve(part), motion.fps
-    reach = round(REACH * fps)
+    similarity, fps, frames = motion.similarity, motion.fps, motion.similarity.shape[1]
+    reach = round(_REACH * fps)
     rows = []
     for values, step, level in zip(similarity, sequence, motion.step_levels, strict=True):
-        first, last = frames_in(step, offset, fps, len(part))
+        first = min(round(step.start * fps), frames - 1)
+        last = min(max(round(step.end * fps), first + 1), frames)
         gain = gains(values, level, first, last)
         gain[: max(first - reach, 0)] = gain[last + reach :] = -np.inf
         rows.append(gain)
     return [
-        Moment(offset + a / fps, offset + b / fps, float(values[a:b].mean()), float(values[a:b].max()))
+        Moment(a / fps, min(b / fps, motion.source.duration), float(values[a:b].mean()), float(values[a:b].max()))
         for values, (a, b) in zip(similarity, consecutive_spans(rows, round(_SHORTEST * fps)), strict=True)
     ]
 
 
 def enclosing(sequence: Sequence[Moment]) -> Moment:
-    """The span from the first step's start to the last one's end, with the mean of their scores."""
-    score, peak = (float(np.mean(values)) for values in zip(*((s.score, s.peak_score) for s in sequence), strict=True))
+    """The span from the first step's start to the last one's end, with the mean of their scores and the lowest peak."""
+    score, peak = float(np.mean([s.score for s in sequence])), min(s.peak_score for s in sequence)
     return Moment(sequence[0].start, sequence[-1].end, score, peak)
 
 

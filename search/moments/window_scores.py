@@ -14,11 +14,8 @@ from encoders.protocol import Encoder
 Vectors = NDArray[np.float32]
 Frames = NDArray[np.int64]
 
-#: Lengths in seconds of the windows whose similarities are averaged at each instant of a frame curve, and the stride
-#: in frames from one to the next.
-CURVE_LENGTHS = (2.0, 2.8, 4.0)
-STRIDE = 2
-
+#: The shortest lengths of the grid whose similarities are averaged at each instant: 1.6 and 3.2 s.
+_CURVE_LENGTHS = 2
 #: Windows whose vectors are held at once.
 _CHUNK = 4096
 
@@ -88,16 +85,13 @@ def similarity_at(windows: WindowScores, times: NDArray[np.float64]) -> Vectors:
     return interpolate(windows.scores, np.interp(times, centres, np.arange(len(centres))), axis=1)
 
 
-def frame_curve(encoder: Encoder, features: Vectors, queries: Vectors) -> Vectors:
-    """Similarity over time (Q, T') of features (T', F) to queries (Q, D), one value for each feature frame.
+def similarity_over_time(windows: Sequence[WindowScores], times: NDArray[np.float64]) -> Vectors:
+    """Similarity (Q, T) at times in seconds (T,): the mean of the curves of the two shortest lengths of the grid.
 
-    The mean of the curves of windows of `CURVE_LENGTHS`, which start at every other frame.
+    Parameters
+    ----------
+    windows : sequence of WindowScores
+        Of each length of the grid, the shortest first.
     """
-    frames = len(features)
-    times = (np.arange(frames, dtype=np.float64) + 0.5) / encoder.fps
-    curves = []
-    for seconds in CURVE_LENGTHS:
-        length = min(round(seconds * encoder.fps), frames)
-        starts = np.arange(0, frames - length + 1, STRIDE)
-        curves.append(similarity_at(score_windows(encoder, features, starts, length, queries), times))
+    curves = [similarity_at(of_length, times) for of_length in windows[:_CURVE_LENGTHS]]
     return np.asarray(np.mean(curves, axis=0), np.float32)

@@ -25,27 +25,29 @@ _DOWNGRADED_FROM = 0.5
 _DOWNGRADED = {STRONG: PLAUSIBLE, PLAUSIBLE: WEAK}
 
 
-def score_statistics(query: ArrayLike, scores: ArrayLike, background: ArrayLike) -> NDArray[np.float64]:
+def background_level(query: ArrayLike, background: ArrayLike) -> tuple[float, float]:
+    """The 95th percentile and the standard deviation of what unrelated motions (M, D) score for a unit vector (D,)."""
+    against = np.asarray(background, np.float32) @ np.asarray(query, np.float32)
+    return float(np.percentile(against, 95)), max(float(against.std()), 1e-3)
+
+
+def score_statistics(scores: ArrayLike, level: tuple[float, float]) -> NDArray[np.float64]:
     """What strength is calibrated on.
 
     Parameters
     ----------
-    query : array (D,)
-        Unit vector of a sentence or a motion.
-    scores : array (N,)
-        Cosines of the hits.
-    background : array (M, D)
-        Unit vectors of unrelated motions.
+    scores : array (...)
+        The highest similarity in each hit.
+    level : (float, float)
+        See `background_level`.
 
     Returns
     -------
-    float array (N, 2)
+    float array (..., 2)
         The score, and its height above the background's 95th percentile in standard deviations of the background.
     """
-    against = np.asarray(background, np.float32) @ np.asarray(query, np.float32)
-    spread = max(float(against.std()), 1e-3)
     s = np.asarray(scores, np.float64)
-    return np.stack([s, (s - np.percentile(against, 95)) / spread], axis=-1)
+    return np.stack([s, (s - level[0]) / level[1]], axis=-1)
 
 
 def probability(statistics: ArrayLike, coefficients: ArrayLike) -> NDArray[np.float64]:
@@ -54,30 +56,43 @@ def probability(statistics: ArrayLike, coefficients: ArrayLike) -> NDArray[np.fl
     return np.asarray(1 / (1 + np.exp(-(np.asarray(statistics) @ c[1:] + c[0]))))
 
 
-def judge(encoder: Encoder, question: EncodedQuestion, scores: ArrayLike) -> list[str]:
-    """The strength of each hit of one question.
+def judge(encoder: Encoder, question: EncodedQuestion, peaks: ArrayLike) -> list[str]:
+    """The strength of each hit of one question; of several sentences the one that fits worst decides.
 
     Parameters
     ----------
-    scores : array (N,)
-        Cosines of the hits.
+    peaks : array (N, S)
+        The highest similarity of each hit to each query vector.
 
     Returns
     -------
     list of str
         "strong", "plausible" or "weak"; empty strings where the encoder is not calibrated for such questions.
     """
-    calibration, background = encoder.calibration or {}, unrelated_motions(encoder)
-    coefficients = calibration.get(f"{question.kind}_coefficients")
-    s = np.asarray(scores, np.float64)
-    if background is None or coefficients is None or len(s) == 0:
-        return [""] * len(s)
-    right = probability(score_statistics(question.vectors.mean(axis=0), s, background), coefficients)
-    strengths = [STRONG if p >= _STRONG_FROM else PLAUSIBLE if p >= _PLAUSIBLE_FROM else WEAK for p in right]
-    words = calibration.get("words")
-    if words is None or not any(is_out_of_vocabulary(sentence, words) for sentence in question.sentences):
-        return strengths
-    return [_DOWNGRADED.get(strength, strength) for strength in strengths]
+    judged = Judge(encoder, question)
+    return [judged(row) for row in np.asarray(peaks, np.float64)]
+
+
+class Judge:
+    """Says how strong the hits of one question are; see `judge`."""
+
+    def __init__(self, encoder: Encoder, question: EncodedQuestion) -> None:
+        calibration, background = encoder.calibration or {}, unrelated_motions(encoder)
+        self._coefficients = calibration.get(f"{question.kind}_coefficients") if background is not None else None
+        if background is None or self._coefficients is None:
+            return
+        self._levels = [background_level(query, background) for query in question.vectors]
+        words = calibration.get("words")
+        self._downgrades = words is not None and any(is_out_of_vocabulary(text, words) for text in question.sentences)
+
+    def __call__(self, peaks: ArrayLike) -> str:
+        """The strength of a hit by its highest similarity to each query vector (S,)."""
+        if self._coefficients is None:
+            return ""
+        statistics = [score_statistics(peak, level) for peak, level in zip(np.ravel(peaks), self._levels, strict=True)]
+        right = probability(statistics, self._coefficients).min()
+        strength = STRONG if right >= _STRONG_FROM else PLAUSIBLE if right >= _PLAUSIBLE_FROM else WEAK
+        return _DOWNGRADED.get(strength, strength) if self._downgrades else strength
 
 
 def is_out_of_vocabulary(sentence: str, words: Words) -> bool:

@@ -16,7 +16,7 @@ from encoders.protocol import Encoder
 from search.query.encoding import encode_queries
 from search.query.known_words import lexicon
 from search.query.vocabulary import vocabulary
-from search.ranking.strength import is_out_of_vocabulary, score_statistics
+from search.ranking.strength import background_level, is_out_of_vocabulary, score_statistics
 
 _HITS = 10
 
@@ -131,5 +131,5 @@ def _top_hits(
         np.fill_diagonal(similarity, -np.inf)
     best = np.argsort(-similarity, axis=1)[:, : min(_HITS, len(gallery) - skip_self)]
     scores = np.take_along_axis(similarity, best, axis=1)
-    statistics = [score_statistics(q, s, background) for q, s in zip(queries, scores, strict=True)]
+    statistics = [score_statistics(s, background_level(q, background)) for q, s in zip(queries, scores, strict=True)]
     return np.concatenate(statistics), np.take_along_axis(right, best, axis=1).ravel()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from fastapi import Depends, Path, Query, Request
 from fastapi.dependencies.models import Dependant
@@ -25,6 +25,11 @@ CountParam = Annotated[int, Query(ge=1, le=200, description="The number of resul
 OffsetParam = Annotated[int, Query(ge=0, le=10_000, description="The number of results to skip.")]
 #: As `OffsetParam`, for rankings whose results are refined one by one.
 ShortOffsetParam = Annotated[int, Query(ge=0, le=200, description="The number of results to skip.")]
+#: See `search.ranking.answers.as_hits`.
+StrengthParam = Annotated[
+    Literal["weak", "plausible", "strong"] | None,
+    Query(description="The least strength of a hit; if not given, plausible where the first hit is, else weak."),
+]
 _SECONDS = Query(ge=0, le=1e6, allow_inf_nan=False)
 Seconds = Annotated[float | None, _SECONDS]
 FileName = Annotated[str, Query(min_length=1, max_length=255, description="The file's name; its ending is used.")]

@@ -69,11 +69,14 @@ class SearchRequest:
     k : int
         The number of hits, at most.
     filters : FilterArguments
+    least : str or None
+        The least strength of a hit; see `search.ranking.answers.as_hits`.
     """
 
     question: EncodedQuestion
     k: int
     filters: FilterArguments
+    least: str | None = None
 
 
 class SnapshotLibrary(Library):
@@ -283,6 +286,6 @@ class SnapshotLibrary(Library):
         try:
             with self.reading():
                 self.snapshot  # noqa: B018  raises where the library cannot be searched
-                return self.search_encoded(request.question, request.k, **request.filters)
+                return self.search_encoded(request.question, request.k, min_strength=request.least, **request.filters)
         except Exception as error:
             return error

@@ -12,7 +12,7 @@ def test_temporal_iou_of_spans() -> None:
 
 
 def test_suppression_keeps_the_best_and_what_does_not_overlap_it() -> None:
-    kept = temporal_nms([0, 1, 20, 21], [10, 11, 30, 31], [0.5, 0.9, 0.3, 0.2], max_overlap=0.3)
+    kept = temporal_nms([0, 1, 20, 21], [10, 11, 30, 31], [0.5, 0.9, 0.3, 0.2], most=0.3)
     assert list(kept) == [1, 2]
 
 

@@ -29,6 +29,7 @@ from search.cli.sentence_command import SentenceCommand, quoted
 @options.export_as
 @options.force
 @options.hits
+@options.min_strength
 @options.filters
 @options.fps
 @options.up
@@ -45,6 +46,7 @@ def moments(
     export_format: str,
     force: bool,
     k: int,
+    min_strength: str | None,
     fps: float | None,
     up: str | None,
     folder: str | None,
@@ -88,7 +90,7 @@ def moments(
             raise click.UsageError("--up needs a CLIP")
         with options.open_library(folder) as library:
             with working("searching"):
-                found = library.answer(question, None, k, **filters)
+                found = library.answer(question, None, k, min_strength=min_strength, **filters)
             terminal.moments(question, found, library, as_json=as_json, filters=filters)
             terminal.remark(question.sentences, library.bundle)
             options.export_hits(found, export_folder, export_format, library=library, force=force)
@@ -101,7 +103,7 @@ def moments(
     with _quoting(sentence, ref), options.open_source(ref, folder, fps=fps, up=up) as (bundle, source, in_library):
         with working(f"searching {source.path}"):
             motion = QueriedMotion(bundle, source, question.encode(bundle))
-            found = moments_of(motion, k)
+            found = moments_of(motion, k, min_strength)
             curve = motion.curve()
         if plot is not None:
             plot_moments(plot, question, source, found, *curve)

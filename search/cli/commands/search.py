@@ -14,6 +14,7 @@ from search.cli.sentence_command import SentenceCommand
 @click.command(cls=SentenceCommand)
 @click.argument("sentence")
 @options.hits
+@options.min_strength
 @options.filters
 @options.export
 @options.export_as
@@ -23,6 +24,7 @@ from search.cli.sentence_command import SentenceCommand
 def search(
     sentence: str,
     k: int,
+    min_strength: str | None,
     export_folder: Path | None,
     export_format: str,
     force: bool,
@@ -45,7 +47,7 @@ def search(
     options.refuse_export(export_folder, force)
     with options.open_library(folder) as library:
         with working("searching"):
-            found = library.search(sentence, k, **filters)
+            found = library.search(sentence, k, min_strength=min_strength, **filters)
         terminal.hits(found, sentence, library, as_json=as_json)
         terminal.remark([sentence], library.bundle)
         if not found:

@@ -69,7 +69,7 @@ def segment(
             names = sorted(set(library.caption_vectors()[0])) if library else []
             if not names:
                 raise click.ClickException("no captions to use as labels; give --labels")
-        segments = segment_motion(bundle, source.motion, names or vocabulary(), start=source.start)
+        segments = segment_motion(bundle, source, names or vocabulary())
     if out is not None and write is not None:
         write_text(out, write(segments, source.path))
         terminal.note(f"wrote {out}")

@@ -15,6 +15,7 @@ from search.cli import options
 @options.end
 @click.option("--moments", is_flag=True, help="Find spans within clips instead of whole clips.")
 @options.hits
+@options.min_strength
 @options.filters
 @options.fps
 @options.up
@@ -26,6 +27,7 @@ def similar(
     end: float | None,
     moments: bool,
     k: int,
+    min_strength: str | None,
     fps: float | None,
     up: str | None,
     folder: str | None,
@@ -49,7 +51,7 @@ def similar(
     with options.open_library(folder) as library:
         with working("comparing"):
             source = find_source(ref, library, fps=fps, up=up)
-            found = library.similar(source, k, start, end, moments=moments, **filters)
+            found = library.similar(source, k, start, end, moments=moments, min_strength=min_strength, **filters)
         terminal.hits(found, ref, library, as_json=as_json)
         if not found:
             terminal.note(terminal.no_clips(library, filters))

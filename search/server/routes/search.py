@@ -27,6 +27,7 @@ from search.server.parameters import (
     Sentences,
     ShortOffsetParam,
     SpanParams,
+    StrengthParam,
 )
 from search.server.responses import bytes_response, to_json
 from search.server.snapshot_library import SearchRequest
@@ -41,13 +42,19 @@ def routes(state: AppState) -> APIRouter:
     library = state.library
 
     @router.get("/search", responses=ok(response_models.SearchResponse))
-    async def search(q: Sentence, given: FilterParams, k: CountParam = 10, offset: OffsetParam = 0) -> Response:
-        """The clips that match a sentence best, each with its best span."""
-        key, generation = (q, k, offset, tuple(given.items())), library.snapshot.generation
+    async def search(
+        q: Sentence,
+        given: FilterParams,
+        min_strength: StrengthParam = None,
+        k: CountParam = 10,
+        offset: OffsetParam = 0,
+    ) -> Response:
+        """The clips that match a sentence best, each with its best moment."""
+        key, generation = (q, k, offset, min_strength, tuple(given.items())), library.snapshot.generation
         response = library.answer_cache.get(key)
         if response is None:
             question = await state.encode(Question.of(q, split_steps=False))
-            request = SearchRequest(question, offset + k, given)
+            request = SearchRequest(question, offset + k, given, min_strength)
             hits = await state.search_batches.submit(request)
             response = to_json({"query": q, "hits": _documents(hits[offset:])})
             library.answer_cache.put(key, response, library.stale_criterion(request, hits), generation)
@@ -62,6 +69,7 @@ def routes(state: AppState) -> APIRouter:
         meanwhile: Annotated[list[Sentence], Query(max_length=8, alias="while")] = [],  # noqa: B006
         split: bool = True,
         clip: ClipParam | None = None,
+        min_strength: StrengthParam = None,
         k: CountParam = 10,
         offset: ShortOffsetParam = 0,
     ) -> Response:
@@ -71,12 +79,12 @@ def routes(state: AppState) -> APIRouter:
             refuse_filters(given)
 
         def in_library() -> bytes:
-            hits = library.answer(question, k=offset + k, **given)[offset:]
+            hits = library.answer(question, k=offset + k, min_strength=min_strength, **given)[offset:]
             return to_json(moments_document(question, _documents(hits)))
 
         def in_clip(ref: str) -> bytes:
             motion = QueriedMotion(library.bundle, state.source(ref), library.encode(question))
-            hits = moments_of(motion, offset + k)[offset:]
+            hits = moments_of(motion, offset + k, min_strength)[offset:]
             return to_json(moments_document(question, _documents(hits, ref), motion.curve()))
 
         make = in_library if clip is None else lambda: in_clip(clip)
@@ -117,10 +125,11 @@ def routes(state: AppState) -> APIRouter:
         ref: str,
         span: tuple[float | None, float | None],
         moments: bool,
+        least: str | None,
         page: slice,
         given: FilterArguments,
     ) -> bytes:
-        hits = library.similar(source, page.stop, *span, moments=moments, **given)[page]
+        hits = library.similar(source, page.stop, *span, moments=moments, min_strength=least, **given)[page]
         return to_json({"query": source.path, "hits": _documents(hits), "clip": _ref(source, ref)})
 
     @router.get("/similar", responses=ok(response_models.SimilarResponse) | NO_CLIP)
@@ -130,6 +139,7 @@ def routes(state: AppState) -> APIRouter:
         span: SpanParams,
         given: FilterParams,
         moments: bool = False,
+        min_strength: StrengthParam = None,
         k: CountParam = 10,
         offset: ShortOffsetParam = 0,
     ) -> Response:
@@ -137,7 +147,7 @@ def routes(state: AppState) -> APIRouter:
         page = slice(offset, offset + k)
 
         def make() -> bytes:
-            return alike(state.source(clip), clip, span, moments, page, given)
+            return alike(state.source(clip), clip, span, moments, min_strength, page, given)
 
         return bytes_response(await state.cached(_key(request), make))
 
@@ -148,6 +158,7 @@ def routes(state: AppState) -> APIRouter:
         span: SpanParams,
         given: FilterParams,
         moments: bool = False,
+        min_strength: StrengthParam = None,
         k: CountParam = 10,
         offset: ShortOffsetParam = 0,
     ) -> Response:
@@ -155,7 +166,7 @@ def routes(state: AppState) -> APIRouter:
         upload = await state.uploads.receive(request, name)
         page = slice(offset, offset + k)
         return bytes_response(
-            await state.run_slow(lambda: alike(upload.source, upload.key, span, moments, page, given))
+            await state.run_slow(lambda: alike(upload.source, upload.key, span, moments, min_strength, page, given))
         )
 
     return router

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from encoders.bundle.windows import window_starts
-from search.moments.window_scores import WindowScores, frame_curve, score_windows, similarity_at
-from tests.search.fakes import MeanEncoder, query, take
+from search.moments.window_scores import WindowScores, score_windows, similarity_at
+from tests.search.fakes import MeanEncoder, queried, query, take
 
 
 def test_memory_is_bounded() -> None:
@@ -21,12 +21,12 @@ def test_the_curve_interpolates_between_the_centres_of_windows() -> None:
     assert similarity_at(windows, np.array([0.0, 1.0, 1.5, 2.0, 9.0]))[0].tolist() == pytest.approx([0, 0, 0.5, 1, 1])
 
 
-def test_the_curve_has_a_value_for_every_frame_and_stands_high_where_it_happens() -> None:
-    curve = frame_curve(MeanEncoder(), take(20, (8, 12, 3)), query(3, 5))
+def test_similarity_over_time_has_a_value_for_every_frame_and_stands_high_where_it_happens() -> None:
+    curve = queried(take(20, (8, 12, 3)), 3, 5).similarity
     assert curve.shape == (2, 200)
-    assert curve[0, 85:115].min() > curve[0, :60].max()
+    assert curve[0, 90:110].min() > curve[0, :60].max()
 
 
 @pytest.mark.parametrize("frames", [1, 3, 15, 30])
-def test_the_curve_of_a_short_motion(frames: int) -> None:
-    assert frame_curve(MeanEncoder(), take(5)[:frames], query(0)).shape == (1, frames)
+def test_similarity_over_time_of_a_short_motion(frames: int) -> None:
+    assert queried(take(5)[:frames], 0).similarity.shape == (1, frames)

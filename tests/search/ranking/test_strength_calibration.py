@@ -43,8 +43,8 @@ def test_right_hits_are_strong_and_out_of_domain_ones_weak(calibration: dict[str
     bundle = KnownAnswers(calibration)
     right = bundle.encode_features([clip(1, 99).features])[0]
     one, nothing = bundle.encode_texts(["one", "nothing"])
-    assert judge(bundle, EncodedQuestion(one[None]), [float(one @ right)]) == ["strong"]
-    assert judge(bundle, EncodedQuestion(nothing[None]), [float(nothing @ right)]) == ["weak"]
+    assert judge(bundle, EncodedQuestion(one[None]), [[float(one @ right)]]) == ["strong"]
+    assert judge(bundle, EncodedQuestion(nothing[None]), [[float(nothing @ right)]]) == ["weak"]
 
 
 def test_hits_of_a_sentence_out_of_vocabulary_are_downgraded(calibration: dict[str, np.ndarray]) -> None:
@@ -52,13 +52,13 @@ def test_hits_of_a_sentence_out_of_vocabulary_are_downgraded(calibration: dict[s
     right = bundle.encode_features([clip(1, 99).features])[0]
     (one,) = bundle.encode_texts(["one"])
     for sentence, strength in (("one", "strong"), ("lorem ipsum", "plausible")):
-        assert judge(bundle, EncodedQuestion(one[None], (sentence,)), [float(one @ right)]) == [strength]
+        assert judge(bundle, EncodedQuestion(one[None], (sentence,)), [[float(one @ right)]]) == [strength]
 
 
 def test_a_motion_is_judged_by_other_motions_never_by_itself(calibration: dict[str, np.ndarray]) -> None:
     bundle = KnownAnswers(calibration)
     motion, alike, other = bundle.encode_features([clip(1, 99).features, clip(1, 98).features, clip(2, 97).features])
-    scores = [float(motion @ alike), float(motion @ other)]
+    scores = [[float(motion @ alike)], [float(motion @ other)]]
     assert judge(bundle, EncodedQuestion(motion[None], kind="motion"), scores) == ["strong", "weak"]
 
 
