@@ -20,6 +20,7 @@ if motionseek_main.hidden_package():
     raise ImportError(motionseek_main.hidden_package())
 
 from encoders.bundle.bundle import Bundle
+from encoders.bundle.encoder_adapter import EncoderAdapter
 from encoders.bundle.known_models import load_model
 from encoders.errors import (
     ArgumentError,
@@ -37,8 +38,9 @@ from encoders.errors import (
     UnknownRig,
     UnreadableMotion,
 )
+from encoders.features.registry import FeatureKind
 from encoders.motion import Motion
-from encoders.protocol import Encoder
+from encoders.protocol import Encoder, TokenEncoder
 from indexer.ingest.arrays import NewClip
 from indexer.ingest.indexing import index
 from indexer.ingest.load import load_motion as load
@@ -65,6 +67,8 @@ __all__ = [
     "Clip",
     "Copy",
     "Encoder",
+    "EncoderAdapter",
+    "FeatureKind",
     "Hit",
     "Hits",
     "Library",
@@ -82,6 +86,7 @@ __all__ = [
     "Segment",
     "Step",
     "Summary",
+    "TokenEncoder",
     "UnknownClip",
     "UnknownRig",
     "UnreadableMotion",

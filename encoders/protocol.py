@@ -73,6 +73,20 @@ class Encoder(Protocol):
         """Unit vectors (N, D) of sentences."""
 
 
+@runtime_checkable
+class TokenEncoder(Encoder, Protocol):
+    """An encoder that has several vectors of a motion and of a sentence, too, by which the first hits are ranked again.
+
+    See `search.ranking.late_interaction`.
+    """
+
+    def motion_tokens(self, features: Sequence[NDArray[np.float32]]) -> list[NDArray[np.float32]]:
+        """Unit vectors (n, E), one for each part of a motion, of N feature sequences (T', F)."""
+
+    def text_tokens(self, sentences: Sequence[str]) -> list[NDArray[np.float32]]:
+        """Unit vectors (m, E), one for each word that counts, of N sentences."""
+
+
 def unrelated_motions(encoder: Encoder) -> NDArray[np.float32] | None:
     """The unit vectors (M, D) of unrelated motion that an encoder is calibrated with; None for one without."""
     motions = (encoder.calibration or {}).get("motions")

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from encoders.arguments import checked_count, checked_flag, checked_number, checked_path, checked_span, unit_vector
 from encoders.errors import ArgumentError
 from encoders.motion import FPS, Motion
+from encoders.protocol import TokenEncoder
 from indexer.argument_checks import checked_rate, checked_up
 from indexer.ingest import arrays
 from indexer.ingest.arrays import NewClip
@@ -32,8 +33,9 @@ from search.query.question import EncodedQuestion, Question
 from search.ranking.alignment import RERANKED, rerank_by_alignment
 from search.ranking.answers import Answer, as_hits, checked_strength
 from search.ranking.batched import batched
-from search.ranking.clip_scores import best_clips, rank_clips
+from search.ranking.clip_scores import ClipScore, best_clips, rank_clips
 from search.ranking.description import describe_motion
+from search.ranking.late_interaction import rerank_by_tokens
 from search.references import Ref, is_vector, source_of, span_of
 from search.source import MotionSource
 from search.stacks.stacking import Copy, Progress, among, stacks
@@ -431,12 +433,18 @@ class Library(MarkedLibrary):
 
     def _clip_hits(self, question: EncodedQuestion, k: int, least: str | None, allowed: Ids | None) -> Hits:
         def answers() -> Iterator[Answer]:
-            for batch in batched(rank_clips(self, question.vectors[0], allowed=allowed), _REFINED):
+            for batch in batched(self._ranked(question, allowed), _REFINED):
                 sources = self._sources([score.clip_id for score in batch])
                 for score in batch:
                     yield clip_answer(QueriedMotion(self.bundle, sources[score.clip_id], question), score.score)
 
         return as_hits(self.bundle, question, answers(), k, least)
+
+    def _ranked(self, question: EncodedQuestion, allowed: Ids | None) -> Iterator[ClipScore]:
+        ranked, encoder = rank_clips(self, question.vectors[0], allowed=allowed), self.bundle
+        if isinstance(encoder, TokenEncoder) and len(question.sentences) == 1:
+            return rerank_by_tokens(encoder, self, question.sentences[0], ranked)
+        return ranked
 
     def _moment_hits(self, question: EncodedQuestion, k: int, least: str | None, allowed: Ids | None) -> Hits:
         if question.how == "alone":

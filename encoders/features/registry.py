@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from encoders import extensions
 from encoders.errors import BundleError
-from encoders.features import canonical, humanml3d
+from encoders.features import canonical, humanml3d, rifke
 from encoders.motion import Motion
 
 
@@ -41,6 +41,7 @@ FEATURE_KINDS = {
     for kind in (
         FeatureKind("body", canonical.SIZE, canonical.FPS, canonical.of_motion),
         FeatureKind("humanml3d", humanml3d.SIZE, humanml3d.FPS, humanml3d.of_motion),
+        FeatureKind("rifke", rifke.SIZE, rifke.FPS, rifke.of_motion),
     )
 }
 
