@@ -67,16 +67,16 @@ def memory(around: Path, clips: int) -> None:
             print(f"{command}: {usage.ru_maxrss / 1e3:.0f} MB at most, {time.monotonic() - began:.0f} s")
 
 
-def new(counts: list[int], identical: bool) -> None:
+def new(counts: list[int], identical: bool, jobs: int) -> None:
     """Index folders of new files, then move all of them and index again; the encoder costs next to nothing."""
     print("   clips | first run |   peak | processes that read | after a move |   peak")
     peaks = []
     for count in counts:
         with tempfile.TemporaryDirectory() as place:
             _write_takes(Path(place, "takes"), count, identical)
-            first, peak, reading = _apart(_index_new, place)
+            first, peak, reading = _apart(_index_new, place, jobs)
             Path(place, "takes").rename(Path(place, "moved"))
-            second, after, _ = _apart(_index_new, place)
+            second, after, _ = _apart(_index_new, place, jobs)
         peaks.append(peak)
         times = f"{count:8,} | {first:7.0f} s | {peak:3.0f} MB | {reading:16.0f} MB | {second:10.1f} s"
         print(f"{times} | {after:3.0f} MB", flush=True)
@@ -90,18 +90,18 @@ def _write_takes(folder: Path, count: int, identical: bool) -> None:
         write(folder / f"{number // 1000:03}" / f"{number:06}.npy", 0 if identical else number)
 
 
-def _index_new(place: str) -> tuple[float, float, float]:
+def _index_new(place: str, jobs: int) -> tuple[float, float, float]:
     """Index a folder; seconds, and the peaks of memory in MB: of this process, and of the largest that reads."""
-    summary = indexing.index(place, bundle=SmallBundle(latent_size=256), jobs=2)
+    summary = indexing.index(place, bundle=SmallBundle(latent_size=256), jobs=jobs)
     assert not summary.failed
     peaks = [resource.getrusage(who).ru_maxrss / 1e3 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return summary.seconds, peaks[0], peaks[1]
 
 
-def _apart(call: Callable[[str], tuple[float, float, float]], place: str) -> tuple[float, float, float]:
+def _apart(call: Callable[..., tuple[float, float, float]], *given: object) -> tuple[float, float, float]:
     """The result of a function in a new process."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:
-        return pool.apply(call, (place,))
+        return pool.apply(call, given)
 
 
 def search(counts: list[int], size: int) -> None:
@@ -202,12 +202,13 @@ def main() -> None:
     remembering.add_argument("--clips", type=int, default=100_000)
     taking_in = commands.add_parser("new")
     taking_in.add_argument("--clips", type=int, nargs="+", default=[10_000, 30_000, 100_000])
+    taking_in.add_argument("--jobs", type=int, default=2)
     taking_in.add_argument("--identical", action="store_true", help="all files hold the same motion")
     given = parser.parse_args()
     if given.command == "index":
         index(given.folder, given.jobs)
     elif given.command == "new":
-        new(given.clips, given.identical)
+        new(given.clips, given.identical, given.jobs)
     elif given.command == "memory":
         memory(given.around, given.clips)
     else:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from search.server.lru_cache import LruCache
+from search.server.responses import JsonAnswer
 
 Vectors = NDArray[np.float32]
 
@@ -40,18 +41,18 @@ class AnswerCache:
 
     def __init__(self, generation: int, size: int = 4096) -> None:
         self._generation = generation
-        self._answers: LruCache[tuple[bytes, StaleCriterion]] = LruCache(size)
+        self._answers: LruCache[tuple[JsonAnswer, StaleCriterion]] = LruCache(size)
         self._lock = threading.Lock()
 
     def __len__(self) -> int:
         return len(self._answers)
 
-    def get(self, key: Hashable) -> bytes | None:
+    def get(self, key: Hashable) -> JsonAnswer | None:
         """The cached answer, else None."""
         cached = self._answers.get(key)
         return None if cached is None else cached[0]
 
-    def put(self, key: Hashable, answer: bytes, criterion: StaleCriterion, generation: int) -> None:
+    def put(self, key: Hashable, answer: JsonAnswer, criterion: StaleCriterion, generation: int) -> None:
         """Cache an answer computed at a generation; ignored where the library has changed since."""
         with self._lock:
             if generation == self._generation:

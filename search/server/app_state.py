@@ -18,6 +18,7 @@ from search.query.question import EncodedQuestion, Question
 from search.server.lru_cache import LruCache
 from search.server.microbatching import MicroBatcher, ServerBusy
 from search.server.prometheus import Metrics
+from search.server.responses import JsonAnswer
 from search.server.snapshot_library import SearchRequest, SnapshotLibrary
 from search.server.uploads.upload_store import Upload, UploadLimits, UploadStore
 from search.source import MotionSource
@@ -42,8 +43,9 @@ class AppState:
         self.search_batches: MicroBatcher[SearchRequest, Hits] = MicroBatcher(
             library.search_all, workers=_SEARCH_WORKERS, max_batch=2
         )
-        self._responses: LruCache[bytes] = LruCache(_CACHED_RESPONSES)
+        self._responses: LruCache[JsonAnswer] = LruCache(_CACHED_RESPONSES)
         self._slow = anyio.CapacityLimiter(_SLOW_AT_ONCE)
+        self._looking = anyio.CapacityLimiter(1)
 
     def close(self) -> None:
         """End the threads and close the library."""
@@ -83,14 +85,24 @@ class AppState:
         with self.library.reading():
             return work()
 
-    async def cached(self, key: Sequence[Hashable], make: Callable[[], bytes]) -> bytes:
-        """The cached response of the library's present generation, else `make()`, run as slow work."""
+    async def cached(self, key: Sequence[Hashable], make: Callable[[], JsonAnswer]) -> bytes:
+        """The cached answer of the library's present generation, else `make()`, run as slow work."""
         full = (self.library.snapshot.generation, *key)
-        response = self._responses.get(full)
-        if response is None:
-            response = await self.run_slow(make)
-            self._responses.put(full, response)
-        return response
+        answer = await self.still_true(self._responses.get(full))
+        if answer is None:
+            answer = await self.run_slow(make)
+            self._responses.put(full, answer)
+        return answer.data
+
+    async def still_true(self, answer: JsonAnswer | None) -> JsonAnswer | None:
+        """A cached answer, unless a file of its hits has changed, gone or come back since.
+
+        Files of one answer are looked at at a time, as a disk may be slow; meanwhile others are given as they are.
+        """
+        if answer is None or answer.is_recent or not self._looking.available_tokens:
+            return answer
+        holds = await run_sync(self._on_snapshot, lambda: answer.holds(self.library), limiter=self._looking)
+        return answer if holds else None
 
     def clip(self, ref: str) -> Clip | Upload:
         """The clip of a number ("12" or "#12"), or the upload of a key.

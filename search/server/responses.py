@@ -3,10 +3,41 @@
 from __future__ import annotations
 
 import json
+import time
+from collections.abc import Sequence
 from typing import Any
 
 from fastapi import Response
 from fastapi.responses import JSONResponse
+
+from indexer.ingest.unindexed import file_state
+from indexer.store.stored_library import StoredLibrary
+from search.hits import Hit
+
+#: Seconds for which the files of an answer are not looked at again.
+_LOOK = 1.0
+
+
+class JsonAnswer:
+    """A document as JSON that can be given again, as long as the files of its hits are as it says."""
+
+    def __init__(self, document: Any, hits: Sequence[Hit] = ()) -> None:
+        self.data = to_json(document)
+        self._files = [(hit.clip_id, hit.file, hit.stale) for hit in hits if hit.clip_id >= 0]
+        self._looked = time.monotonic()
+
+    @property
+    def is_recent(self) -> bool:
+        """Whether its files were looked at a moment ago, or there are none."""
+        return not self._files or time.monotonic() - self._looked < _LOOK
+
+    def holds(self, library: StoredLibrary) -> bool:
+        """Look at the files: whether each is as the answer says."""
+        self._looked = time.monotonic()
+        return all(
+            file is None or file_state(library, clip, file, by_content=False) == stale
+            for clip, file, stale in self._files
+        )
 
 
 def to_json(content: Any) -> bytes:

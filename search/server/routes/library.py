@@ -12,7 +12,7 @@ from search.query.vocabulary import vocabulary
 from search.server import response_models
 from search.server.app_state import AppState
 from search.server.exception_handlers import ANY, ok
-from search.server.responses import bytes_response, json_response, to_json
+from search.server.responses import JsonAnswer, bytes_response, json_response
 
 
 def routes(state: AppState) -> APIRouter:
@@ -36,7 +36,7 @@ def routes(state: AppState) -> APIRouter:
     return router
 
 
-def _map(state: AppState) -> bytes:
+def _map(state: AppState) -> JsonAnswer:
     library, snapshot = state.library, state.library.snapshot
     folder = library.folder / "previews"
     library_map = map_file.load(folder, snapshot.generation)
@@ -45,4 +45,4 @@ def _map(state: AppState) -> bytes:
         text_vectors = library.bundle.encode_texts(list(texts))
         library_map = make_map(snapshot.generation, rows.owners, rows.vectors.astype("float32"), texts, text_vectors)
         map_file.save(folder, library_map)
-    return to_json(library_map.document())
+    return JsonAnswer(library_map.document())

@@ -112,7 +112,7 @@ def routes(state: AppState) -> APIRouter:
         folder = tempfile.TemporaryDirectory(prefix="motionseek-")
         try:
             out = Path(folder.name) / f"cut.{format}"
-            path = await state.run_slow(lambda: _write(state.source(clip), out, *span, fps, in_place))
+            path, stale = await state.run_slow(lambda: _write(state.source(clip), out, *span, fps, in_place))
         except BaseException:
             folder.cleanup()
             raise
@@ -121,7 +121,7 @@ def routes(state: AppState) -> APIRouter:
             out,
             media_type="application/octet-stream",
             filename=name,
-            headers={"Cache-Control": "no-store"},
+            headers={"Cache-Control": "no-store"} | ({"X-Stale": stale} if stale else {}),
             background=BackgroundTask(folder.cleanup),
         )
 
@@ -140,10 +140,10 @@ def _cut(state: AppState, ref: str, start: float, end: float | None) -> tuple[Mo
 
 def _write(
     source: MotionSource, out: Path, start: float | None, end: float | None, fps: float | None, in_place: bool
-) -> str:
-    """Write a span of a motion as a file; the motion's path."""
+) -> tuple[str, str]:
+    """Write a span of a motion as a file; the motion's path, and what became of its file since it was indexed."""
     write_cut(source, out, start, end, fps=fps, in_place=in_place)
-    return source.path
+    return source.path, source.stale()
 
 
 def _file_name(stem: str, start: float | None, end: float | None, format: str) -> str:

@@ -29,7 +29,7 @@ from search.server.parameters import (
     SpanParams,
     StrengthParam,
 )
-from search.server.responses import bytes_response, to_json
+from search.server.responses import JsonAnswer, bytes_response
 from search.server.snapshot_library import SearchRequest
 from search.source import MotionSource
 
@@ -51,14 +51,14 @@ def routes(state: AppState) -> APIRouter:
     ) -> Response:
         """The clips that match a sentence best, each with its best moment."""
         key, generation = (q, k, offset, min_strength, tuple(given.items())), library.snapshot.generation
-        response = library.answer_cache.get(key)
-        if response is None:
+        answer = await state.still_true(library.answer_cache.get(key))
+        if answer is None:
             question = await state.encode(Question.of(q, split_steps=False))
             request = SearchRequest(question, offset + k, given, min_strength)
             hits = await state.search_batches.submit(request)
-            response = to_json({"query": q, "hits": _documents(hits[offset:])})
-            library.answer_cache.put(key, response, library.stale_criterion(request, hits), generation)
-        return bytes_response(response)
+            answer = JsonAnswer({"query": q, "hits": _documents(hits[offset:])}, hits[offset:])
+            library.answer_cache.put(key, answer, library.stale_criterion(request, hits), generation)
+        return bytes_response(answer.data)
 
     @router.get("/moments", responses=ok(response_models.MomentsResponse) | NO_CLIP)
     async def moments(
@@ -78,14 +78,14 @@ def routes(state: AppState) -> APIRouter:
         if clip is not None:
             refuse_filters(given)
 
-        def in_library() -> bytes:
+        def in_library() -> JsonAnswer:
             hits = library.answer(question, k=offset + k, min_strength=min_strength, **given)[offset:]
-            return to_json(moments_document(question, _documents(hits)))
+            return JsonAnswer(moments_document(question, _documents(hits)), hits)
 
-        def in_clip(ref: str) -> bytes:
+        def in_clip(ref: str) -> JsonAnswer:
             motion = QueriedMotion(library.bundle, state.source(ref), library.encode(question))
             hits = moments_of(motion, offset + k, min_strength)[offset:]
-            return to_json(moments_document(question, _documents(hits, ref), motion.curve()))
+            return JsonAnswer(moments_document(question, _documents(hits, ref), motion.curve()), hits)
 
         make = in_library if clip is None else lambda: in_clip(clip)
         return bytes_response(await state.cached(_key(request), make))
@@ -95,19 +95,19 @@ def routes(state: AppState) -> APIRouter:
         """The similarity of one clip to sentences over time."""
         question = _independent(q)
 
-        def make() -> bytes:
+        def make() -> JsonAnswer:
             source = state.source(clip)
             named = {"clip": _ref(source, clip), "path": source.path, "start": round(source.start, 3)}
             named["duration"] = round(source.duration, 3)
             motion = QueriedMotion(library.bundle, source, library.encode(question))
-            return to_json(named | curve_document(question.sentences, motion.curve()))
+            return JsonAnswer(named | curve_document(question.sentences, motion.curve()))
 
         return bytes_response(await state.cached(_key(request), make))
 
-    def described(source: MotionSource, ref: str, span: tuple[float | None, float | None], k: int) -> bytes:
+    def described(source: MotionSource, ref: str, span: tuple[float | None, float | None], k: int) -> JsonAnswer:
         texts, _, vectors = library.caption_vectors()
         found = describe_motion(library.bundle, source.cut(*span), k, texts, vectors)
-        return to_json(description_document(source.path, found) | {"clip": _ref(source, ref)})
+        return JsonAnswer(description_document(source.path, found) | {"clip": _ref(source, ref)})
 
     @router.get("/describe", responses=ok(response_models.DescribeResponse) | NO_CLIP)
     async def describe(request: Request, clip: ClipParam, span: SpanParams, k: CountParam = 5) -> Response:
@@ -118,7 +118,8 @@ def routes(state: AppState) -> APIRouter:
     async def describe_upload(request: Request, name: FileName, span: SpanParams, k: CountParam = 5) -> Response:
         """The sentences that match an uploaded motion best."""
         upload = await state.uploads.receive(request, name)
-        return bytes_response(await state.run_slow(lambda: described(upload.source, upload.key, span, k)))
+        answer = await state.run_slow(lambda: described(upload.source, upload.key, span, k))
+        return bytes_response(answer.data)
 
     def alike(
         source: MotionSource,
@@ -128,9 +129,9 @@ def routes(state: AppState) -> APIRouter:
         least: str | None,
         page: slice,
         given: FilterArguments,
-    ) -> bytes:
+    ) -> JsonAnswer:
         hits = library.similar(source, page.stop, *span, moments=moments, min_strength=least, **given)[page]
-        return to_json({"query": source.path, "hits": _documents(hits), "clip": _ref(source, ref)})
+        return JsonAnswer({"query": source.path, "hits": _documents(hits), "clip": _ref(source, ref)}, hits)
 
     @router.get("/similar", responses=ok(response_models.SimilarResponse) | NO_CLIP)
     async def similar(
@@ -146,7 +147,7 @@ def routes(state: AppState) -> APIRouter:
         """The clips, or with `moments` the spans, most similar to a clip or a span of it."""
         page = slice(offset, offset + k)
 
-        def make() -> bytes:
+        def make() -> JsonAnswer:
             return alike(state.source(clip), clip, span, moments, min_strength, page, given)
 
         return bytes_response(await state.cached(_key(request), make))
@@ -165,9 +166,10 @@ def routes(state: AppState) -> APIRouter:
         """The clips, or with `moments` the spans, most similar to an uploaded motion."""
         upload = await state.uploads.receive(request, name)
         page = slice(offset, offset + k)
-        return bytes_response(
-            await state.run_slow(lambda: alike(upload.source, upload.key, span, moments, min_strength, page, given))
+        answer = await state.run_slow(
+            lambda: alike(upload.source, upload.key, span, moments, min_strength, page, given)
         )
+        return bytes_response(answer.data)
 
     return router
 

@@ -14,6 +14,7 @@ from indexer.ingest import indexing
 from search.library import Library
 from search.server.answer_cache import AnswerCache, StaleCriterion
 from search.server.app import create_app
+from search.server.responses import JsonAnswer
 from search.server.snapshot_library import SnapshotLibrary
 from tests.search.conftest import made_motion
 
@@ -24,8 +25,8 @@ EAST, NORTH = np.array([1, 0], np.float32), np.array([0, 1], np.float32)
 def two_answers() -> AnswerCache:
     """Two answers of generation 1, to a query east and to one north."""
     answers = AnswerCache(1)
-    answers.put("east", b"e", StaleCriterion(EAST, 0.6), 1)
-    answers.put("north", b"n", StaleCriterion(NORTH, 0.6), 1)
+    answers.put("east", JsonAnswer("e"), StaleCriterion(EAST, 0.6), 1)
+    answers.put("north", JsonAnswer("n"), StaleCriterion(NORTH, 0.6), 1)
     return answers
 
 
@@ -36,16 +37,15 @@ def two_answers() -> AnswerCache:
 def test_an_added_row_that_scores_as_much_as_the_last_hit_invalidates(added: list[list[float]], valid: str) -> None:
     answers = two_answers()
     answers.grow(2, np.array(added, np.float32).reshape(-1, 2))
-    assert [answers.get("east"), answers.get("north")] == [
-        b"e" if "e" in valid else None,
-        b"n" if "n" in valid else None,
+    assert [name for name in ("east", "north") if answers.get(name)] == [
+        name for name in ("east", "north") if name[0] in valid
     ]
 
 
 def test_an_answer_of_an_older_generation_is_not_cached() -> None:
     answers = two_answers()
     answers.grow(2, NONE)
-    answers.put("late", b"l", StaleCriterion(EAST, 0.0), 1)
+    answers.put("late", JsonAnswer("l"), StaleCriterion(EAST, 0.0), 1)
     assert answers.get("late") is None
     assert len(answers) == 2
 
@@ -53,9 +53,9 @@ def test_an_answer_of_an_older_generation_is_not_cached() -> None:
 def test_the_least_recently_used_are_evicted() -> None:
     answers = AnswerCache(1, size=2)
     for key in ("a", "b"):
-        answers.put(key, b"", StaleCriterion(EAST, 0.0), 1)
+        answers.put(key, JsonAnswer(""), StaleCriterion(EAST, 0.0), 1)
     answers.get("a")
-    answers.put("c", b"", StaleCriterion(EAST, 0.0), 1)
+    answers.put("c", JsonAnswer(""), StaleCriterion(EAST, 0.0), 1)
     assert [key for key in "abc" if answers.get(key) is not None] == ["a", "c"]
 
 
