@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from encoders.protocol import Encoder
+    from encoders.tmr.conversion.from_published import PublishedData
     from encoders.tmr.text.language_model import LanguageModel
     from indexer.datasets.captioned_dataset import CaptionedDataset
 
@@ -114,20 +115,31 @@ def sentence_model(dataset: CaptionedDataset, choice: DatasetChoice) -> Sentence
 
 
 def _of_run(choice: DatasetChoice, run: Path) -> tuple[CaptionedDataset, EvaluatedModel]:
-    from encoders.tmr.conversion.run_encoder import RunEncoder, read_inputs
+    from encoders.tmr.conversion.from_published import read_data
+    from encoders.tmr.conversion.import_run import kind_of_run
+    from encoders.tmr.conversion.run_encoder import RunEncoder
 
-    inputs = read_inputs(run)
-    dataset = choice.open(feature_kind(inputs.feature_kind))
-    stats = choice.stats or (run / "stats" if (run / "stats").is_dir() else dataset.stats)
-    if stats is None:
-        raise QueryError(f"{run}: its statistics (mean.pt and std.pt) are not known; name their folder with --stats")
-    encoder = RunEncoder.load(run, stats)
-    tokens = token_features(dataset, choice.language_model or inputs.language_model)
+    data = read_data(run)
+    dataset = choice.open(kind_of_run(run, data))
+    encoder = RunEncoder.load(run, choice.stats or _statistics(run, data, dataset))
+    tokens = token_features(dataset, choice.language_model or data.language_model)
 
     def encode(captions: list[str]) -> NDArray[np.float32]:
         return encoder.encode_token_features(tokens(captions))
 
     return dataset, EvaluatedModel(encoder.name, encoder.encode_features, encode)
+
+
+def _statistics(run: Path, data: PublishedData, dataset: CaptionedDataset) -> Path:
+    """The folder of a run's statistics: the one that its configuration names, else that of the data set."""
+    from encoders.tmr.conversion.import_run import statistics_of_run
+
+    try:
+        return statistics_of_run(run, data)
+    except BundleError:
+        if dataset.stats is None:
+            raise
+        return dataset.stats
 
 
 def token_features(dataset: CaptionedDataset, name: str) -> Callable[[Sequence[str]], Sequence[NDArray[np.floating]]]:

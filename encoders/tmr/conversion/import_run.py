@@ -64,11 +64,11 @@ def import_run(
         If anything is missing, damaged, or does not fit the rest; the message says what.
     """
     sizes, data = read_config(run), read_data(run)
-    kind = _kind(run, data, features)
+    kind = kind_of_run(run, data, features)
     if sizes.motion.features != kind.size or data.size != kind.size:
         stated = sorted({sizes.motion.features, data.size})
         raise BundleError(f"{run / 'config.json'}: {stated} numbers a frame, features {kind.name!r} have {kind.size}")
-    place = _statistics(run, data) if stats is None else stats
+    place = statistics_of_run(run, data) if stats is None else stats
     mean, std = load_stats(place, kind.size)
     network = load_run(run)
     language = _language(run, data, network, language_model)
@@ -97,7 +97,14 @@ def import_run(
     return Bundle.load(folder), difference
 
 
-def _kind(run: Path, data: PublishedData, named: str | None) -> FeatureKind:
+def kind_of_run(run: Path, data: PublishedData, named: str | None = None) -> FeatureKind:
+    """The feature kind of a run: the one named, else the one whose folder its configuration names.
+
+    Raises
+    ------
+    BundleError
+        If it is not known, or has another frame rate.
+    """
     stated = Path(data.features).name
     if named is None and stated not in _KINDS:
         try:
@@ -116,8 +123,14 @@ def _kind(run: Path, data: PublishedData, named: str | None) -> FeatureKind:
     return kind
 
 
-def _statistics(run: Path, data: PublishedData) -> Path:
-    """The folder of statistics that a configuration names, relative to wherever the run was started."""
+def statistics_of_run(run: Path, data: PublishedData) -> Path:
+    """The folder of statistics that a configuration names, relative to wherever the run was started.
+
+    Raises
+    ------
+    BundleError
+        If it is neither in the run's folder, nor above it, nor in the working directory.
+    """
     resolved = run.resolve()
     for above in (resolved, *resolved.parents, Path.cwd()):
         if (above / data.statistics).is_dir():

@@ -94,7 +94,7 @@ def positions(count: int, width: int, device: torch.device | None = None) -> Ten
 
 
 class ByteDropout(nn.Module):
-    """As `nn.Dropout`, with a chance in 256ths: random bytes are quicker to draw than random decisions."""
+    """As `nn.Dropout`, with a chance in 256ths: on a CPU random bytes are quicker to draw than random decisions."""
 
     def __init__(self, chance: float) -> None:
         super().__init__()
@@ -104,9 +104,11 @@ class ByteDropout(nn.Module):
         """Numbers of x, any shape, are zero by that chance while training, the others larger for it."""
         if not self.training or not self.dropped:
             return x
+        if x.device.type != "cpu":
+            return F.dropout(x, self.dropped / 256)
         drawn = torch.empty(-(-x.numel() // 8), dtype=torch.int64).random_(-(2**63), None)
         kept = drawn.view(torch.uint8)[: x.numel()].view(x.shape) >= self.dropped
-        return x * (kept.to(x.device, x.dtype) * (256 / (256 - self.dropped)))
+        return x * (kept.to(x.dtype) * (256 / (256 - self.dropped)))
 
 
 class MultiHeadAttention(nn.Module):

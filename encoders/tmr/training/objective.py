@@ -42,6 +42,41 @@ def step_losses(model: TMR, log_temperature: Tensor, batch: Batch, recipe: Recip
     return terms
 
 
+def published_terms(
+    model: TMR,
+    motions: tuple[Tensor, Tensor],
+    tokens: tuple[Tensor, Tensor],
+    *,
+    temperature: float,
+    ignore: Tensor | None,
+    noise: tuple[Tensor, Tensor] | None = None,
+) -> dict[str, Tensor]:
+    """Every term of TMR's objective as published: on sampled latents, reconstructing every motion from both.
+
+    Parameters
+    ----------
+    motions, tokens : padded features (B, L, F) and mask (B, L)
+        Of motions, standardised, and of their captions.
+    ignore : boolean (B, B), text by motion
+        False negatives.
+    noise : two tensors (B, latent), optional
+        Standard normal, for text and motion; drawn where not given, first that of text.
+    """
+    target, mask = motions
+    text, motion = model.text_encoder(*tokens), model.motion_encoder(target, mask)
+    drawn = (None, None) if noise is None else noise
+    latents = text.sample(drawn[0]), motion.sample(drawn[1])
+    if model.motion_decoder is None:
+        raise ValueError("TMR's objective needs a decoder")
+    decoded = [model.motion_decoder(latent, mask) for latent in latents]
+    return {
+        "reconstruction": losses.reconstruction(target, *decoded),
+        "kl": losses.kl_terms(text, motion),
+        "latent": losses.latent_loss(*latents),
+        "contrastive": losses.contrastive(*latents, temperature, ignore),
+    }
+
+
 def contrast(text: Tensor, motion: Tensor, temperature: Tensor, batch: Batch, recipe: Recipe) -> Tensor:
     """The contrastive term of latents, text (B + E, D) and motion (B, D), with the hard-negative loss."""
     if recipe.contrast == "margin":

@@ -12,7 +12,7 @@ from encoders.errors import DatasetError, MissingMotion, MissingSplit
 from encoders.features.registry import FEATURE_KINDS
 from indexer.datasets.captioned_dataset import CaptionedDataset, is_dataset
 from indexer.datasets.text_embeddings import StoredSentences, StoredTokens
-from tests.indexer.datasets.published_layout import write_dataset
+from tests.indexer.datasets.toy_dataset import write_dataset
 
 KIND = FEATURE_KINDS["humanml3d"]
 CAPTIONS = {

@@ -10,7 +10,7 @@ import pytest
 
 from encoders.errors import DatasetError
 from indexer.datasets.text_embeddings import StoredSentences, StoredTokens
-from tests.indexer.datasets.published_layout import write_embeddings
+from tests.indexer.datasets.toy_dataset import write_embeddings
 
 SENTENCES = ["walks", "jumps", "a man sits down"]
 TOKENS = "token_embeddings/distilbert-base-uncased"

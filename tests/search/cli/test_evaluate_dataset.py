@@ -11,8 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.conftest import ROOT
-from tests.indexer.datasets.published_layout import write_dataset, write_embeddings
+from tests.indexer.datasets.toy_dataset import write_dataset, write_embeddings
 from tests.search.conftest import Run, made_motion
 
 TEXTS = ("a man walks", "a man walks", "a person jumps", "someone sits")
@@ -94,33 +93,21 @@ def test_a_folder_without_a_data_set_and_a_model_of_sentences_that_is_not_there(
 
 @pytest.mark.torch
 def test_a_run_directory_is_evaluated_with_the_data_sets_token_features(run: Run, joints: Path, tmp_path: Path) -> None:
-    torch = pytest.importorskip("torch")
-    from encoders.tmr.conversion.from_published import read_config
-    from encoders.tmr.model.network import TMR
+    pytest.importorskip("torch")
+    from tests.encoders.published_layout import STATISTICS, write_run, write_statistics
 
-    place = tmp_path / "a run"
-    (place / "last_weights").mkdir(parents=True)
-    config = json.loads((ROOT / "tests" / "data" / "published_config.json").read_text())
-    config["data"] = {
-        "motion_loader": {"nfeats": 263},
-        "text_to_token_emb": {"modelname": "distilbert-base-uncased"},
-    }
-    (place / "config.json").write_text(json.dumps(config))
-    torch.manual_seed(0)
-    network = TMR(read_config(place))
-    for name in ("motion_encoder", "text_encoder", "motion_decoder"):
-        torch.save(getattr(network, name).state_dict(), place / "last_weights" / f"{name}.pt")
+    place = write_run(tmp_path / "a run")
     ran = run("evaluate", joints, "--run", place)
-    assert (ran.code, ran.err.count("\n")) == (2, 1)
+    assert (ran.code, ran.err.count("\n")) == (1, 1)
     assert "--stats" in ran.err
-    stats = tmp_path / "stats"
-    stats.mkdir()
-    for name, value in (("mean", 0.0), ("std", 1.0)):
-        torch.save(torch.full((263,), value), stats / f"{name}.pt")
-    ran = run("evaluate", joints, "--run", place, "--stats", stats, "--json")
-    assert ran.code == 0, ran.err
-    assert (ran.document["model"], len(ran.document["protocols"])) == ("a run", 5)
-    ran = run("evaluate", joints, "--run", place, "--stats", stats, "--language-model", "bert")
+    write_statistics(tmp_path / "elsewhere")
+    elsewhere = run("evaluate", joints, "--run", place, "--stats", tmp_path / "elsewhere", "--json").document
+    assert (elsewhere["model"], len(elsewhere["protocols"])) == ("a run", 5)
+    write_statistics(joints / "stats" / "toy" / "guoh3dfeats")
+    assert run("evaluate", joints, "--run", place, "--json").document == elsewhere, "those of the data set"
+    write_statistics(place / STATISTICS)
+    assert run("evaluate", joints, "--run", place, "--json").document == elsewhere, "those that the run names"
+    ran = run("evaluate", joints, "--run", place, "--language-model", "bert")
     assert "no token features by 'bert'" in ran.err
 
 

@@ -13,9 +13,11 @@ import click
 
 from encoders.errors import QueryError
 from search.cli import options
+from search.cli.commands.model.data_training import TMR_RECIPE, DataTraining, data_options, train_on_dataset
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from typing import Any
 
     from encoders.corpus.language.held_out_sentences import HeldOutSentences
     from encoders.features.registry import FeatureKind
@@ -38,7 +40,7 @@ _AUGMENTED = 1500
 @click.option("--captions", type=_FILE, help="Their captions, JSON lines.")
 @click.option("--sentences", type=_FILE, help="Human sentences that synthetic clips act out, one a line.")
 @click.option("--held-out", type=_FILE, multiple=True, help="File of sentences that are never trained on.")
-@click.option("--recipe", type=_FILE, help="JSON of the recipe fields to change.")
+@click.option("--recipe", metavar="tmr|FILE", help="JSON of the recipe fields to change; tmr: TMR's as published.")
 @click.option(
     "--from",
     "origins",
@@ -51,6 +53,7 @@ _AUGMENTED = 1500
     "--minutes", type=click.FloatRange(min=0), default=float("inf"), help="Stop after so long; run again to resume."
 )
 @click.option("--jobs", type=options.Count(1), help="Processes that synthesise clips; one a core by default.")
+@data_options
 def train(
     run: Path,
     synthetic: int,
@@ -59,13 +62,16 @@ def train(
     captions: Path | None,
     sentences: Path | None,
     held_out: tuple[Path, ...],
-    recipe: Path | None,
+    recipe: str | None,
     origins: tuple[Path, ...],
     steps: int | None,
     minutes: float,
     jobs: int | None,
+    **of_data: Any,
 ) -> None:
     """Train in the folder RUN, or resume the run there; validated on synthetic and real clips as it goes.
+
+    With --data on a captioned data set instead, by the recipe of published TMR, in a run directory of its layout.
 
     Clips, token features and checkpoints stay in RUN, so that a stopped run loses at most the steps since its last
     validation.
@@ -75,8 +81,14 @@ def train(
       motionseek model train runs/default --real data/mocap --captions captions.jsonl --sentences sentences.txt
       motionseek model train runs/quick --synthetic 2000 --steps 200
       motionseek model train runs/ours --from my_model/ --real our_takes/ --captions ours.jsonl --steps 1000
+      motionseek model train runs/humanml3d --data datasets/
     """
     require_extra()
+    chosen_data = DataTraining(**of_data)
+    _refuse_mixture(click.get_current_context(), chosen_data)
+    if chosen_data.data is not None:
+        train_on_dataset(run, chosen_data, recipe, minutes)
+        return
     from encoders.corpus.composition.seeds import RUNS_APART, TRAINING, VALIDATION
     from encoders.corpus.heldout.queries import paraphrase_queries
     from encoders.corpus.language.held_out_sentences import HeldOutSentences
@@ -87,7 +99,7 @@ def train(
     from encoders.tmr.training.pipeline import train as train_in
 
     require_both(real, captions)
-    chosen = read_recipe(recipe, steps)
+    chosen = read_recipe(None if recipe is None else Path(recipe), steps)
     kind = FEATURE_KINDS["body"]
     start, normaliser = initial_model(origins, chosen) if origins else (None, None)
     language = LanguageModel.load()
@@ -103,6 +115,25 @@ def train(
         chosen, clips, real_clips, validation, real_validation, unrelated_sentences(600), language, run, normaliser
     )
     train_in(run, chosen, batches, validate, normaliser, start=start, every=100, minutes=minutes, say=click.echo)
+
+
+def _refuse_mixture(context: click.Context, chosen: DataTraining) -> None:
+    """Exit where options are given that do nothing with, or without, --data."""
+    given = [
+        parameter
+        for parameter in context.command.params
+        if context.get_parameter_source(str(parameter.name)) is click.core.ParameterSource.COMMANDLINE
+    ]
+    always = {"run", "recipe", "minutes", "data"}
+    idle = [
+        parameter.opts[0]
+        for parameter in given
+        if parameter.name not in always and hasattr(chosen, str(parameter.name)) is (chosen.data is None)
+    ]
+    if idle:
+        raise click.UsageError(f"{', '.join(idle)}: {'not without' if chosen.data is None else 'not with'} --data")
+    if chosen.data is None and context.params["recipe"] == TMR_RECIPE:
+        raise click.UsageError("--recipe tmr trains on a captioned data set: add --data DIR")
 
 
 def initial_model(origins: Sequence[Path], recipe: Recipe) -> tuple[TMR, Normaliser]:

@@ -16,6 +16,7 @@ from encoders.tmr.conversion import from_published  # noqa: E402
 from encoders.tmr.model.network import TMR, TMRConfig, positions, valid_mask  # noqa: E402
 from encoders.tmr.training import losses  # noqa: E402
 from encoders.tmr.training.false_negatives import similar_sentences  # noqa: E402
+from encoders.tmr.training.objective import published_terms  # noqa: E402
 from tests.encoders.published_layout import DATA, write_run  # noqa: E402
 
 CLOSE = {"rtol": 0, "atol": 1e-5}
@@ -132,19 +133,17 @@ def terms_of(network: TMR, arrays: dict[str, np.ndarray], mode: str) -> dict:
     motion_x, motion_mask, text_x, text_mask, sentences = tensors(
         arrays, "motion/x", "motion/mask", "text/x", "text/mask", "sent_emb"
     )
-    text, motion = network.text_encoder(text_x, text_mask), network.motion_encoder(motion_x, motion_mask)
+    noise = tensors(arrays, "sampled/eps_text", "sampled/eps_motion")
     if mode == "sample_mean":
-        text_latent, motion_latent = text.mu, motion.mu
-    else:
-        text_latent = text.sample(torch.from_numpy(arrays["sampled/eps_text"]))
-        motion_latent = motion.sample(torch.from_numpy(arrays["sampled/eps_motion"]))
-    decoded = [network.motion_decoder(latent, motion_mask) for latent in (text_latent, motion_latent)]
-    return {
-        "reconstruction": losses.reconstruction(motion_x, *decoded),
-        "kl": losses.kl_terms(text, motion),
-        "latent": losses.latent_loss(text_latent, motion_latent),
-        "contrastive": losses.contrastive(text_latent, motion_latent, 0.1, similar(sentences, 0.8)),
-    }
+        noise = [torch.zeros_like(one) for one in noise]
+    return published_terms(
+        network,
+        (motion_x, motion_mask),
+        (text_x, text_mask),
+        temperature=0.1,
+        ignore=similar(sentences, 0.8),
+        noise=tuple(noise),
+    )
 
 
 @pytest.mark.parametrize("mode", ["sample_mean", "sampled"])

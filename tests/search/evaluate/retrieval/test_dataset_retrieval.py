@@ -20,7 +20,7 @@ from search.evaluate.retrieval.dataset_retrieval import (
     SentenceSimilarity,
     evaluate_dataset,
 )
-from tests.indexer.datasets.published_layout import write_dataset
+from tests.indexer.datasets.toy_dataset import write_dataset
 
 KEYS = [f"{i:06d}" for i in range(4)]
 CAPTIONS = ("walks", "walks", "jumps", "sits")
