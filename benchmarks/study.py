@@ -16,10 +16,10 @@ from pathlib import Path
 
 import torch
 
+from encoders.corpus.language.unrelated import unrelated_sentences
 from encoders.tmr.model.network import TransformerConfig
 from encoders.tmr.text.language_model import LanguageModel
 from encoders.tmr.training import losses
-from encoders.tmr.training.dataset import unrelated_sentences
 from encoders.tmr.training.pairs import PairStore
 from encoders.tmr.training.pipeline import prepare, train
 from encoders.tmr.training.recipe import Recipe, default_network

@@ -12,21 +12,14 @@ import torch
 
 from encoders.bundle.bundle import Bundle
 from encoders.corpus.composition.captioned_motion import CaptionedTake
-from encoders.corpus.composition.seeds import CALIBRATION
-from encoders.corpus.composition.synthetic_pairs import synthetic_clips
 from encoders.errors import MotionSeekError
-from encoders.features.registry import FEATURE_KINDS
 from encoders.tmr.conversion.to_bundle import export_bundle
 from encoders.tmr.model.network import TMR
 from encoders.tmr.model.normaliser import Normaliser
 from encoders.tmr.text.language_model import LanguageModel
 from encoders.tmr.training.checkpoint import read_checkpoint, read_recipe
-from encoders.tmr.training.dataset import unrelated_sentences
 from encoders.tmr.training.recipe import Recipe
-from search.ranking.strength_calibration import calibrate
-
-#: Synthetic clips of the background, those queried for, and out-of-domain sentences.
-_BACKGROUND, _QUERIED, _OUT_OF_DOMAIN = 1500, 800, 400
+from search.ranking.strength_calibration import calibrate_synthetically
 
 
 def release(
@@ -77,9 +70,7 @@ def release(
         )
         return Bundle.load(folder)
 
-    clips = list(synthetic_clips(CALIBRATION, _BACKGROUND + _QUERIED, FEATURE_KINDS[kind]))
-    out_of_domain = unrelated_sentences(_OUT_OF_DOMAIN, seed=1)
-    return export(calibrate(export(None), clips[:_BACKGROUND], clips[_BACKGROUND:], out_of_domain, takes))
+    return export(calibrate_synthetically(export(None), takes))
 
 
 def mean_weights(runs: Sequence[Path]) -> tuple[Recipe, dict[str, torch.Tensor], list[int]]:

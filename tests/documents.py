@@ -25,6 +25,7 @@ ONLY_PARSED = {
     "model train": "needs torch, and hours",
     "model release": "needs finished runs",
     "model import": "needs a published run",
+    "model calibrate": "takes minutes",
     "model card": "takes minutes",
     "index --fps": "would read every file again, at a wrong rate",
     "index --joint-map": "needs a rig of unknown names",

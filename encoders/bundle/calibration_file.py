@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import os
+import tempfile
 import zipfile
+from collections.abc import Mapping
 from math import prod
 from pathlib import Path
 from typing import IO, Any
@@ -11,6 +15,7 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
+from encoders.bundle.manifest import CALIBRATION, MANIFEST, digest, read_manifest
 from encoders.errors import BundleError
 
 #: Bytes of all arrays together, and arrays.
@@ -46,6 +51,31 @@ def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
         NotImplementedError,
     ) as error:
         raise BundleError(f"{path}: cannot be read ({error})") from error
+
+
+def add_calibration(folder: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Calibrate the bundle in a folder anew; whenever this ends early, it is a bundle, with the old one or with none.
+
+    Raises
+    ------
+    BundleError
+        If it is no bundle.
+    """
+    values = dict(read_manifest(folder).values)
+    files = {name: sha256 for name, sha256 in values["files"].items() if name != CALIBRATION}
+    _write_manifest(folder, values | {"files": files})
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".") as temporary:
+        new = Path(temporary) / CALIBRATION
+        np.savez_compressed(new, **arrays)  # type: ignore[arg-type]
+        os.replace(new, folder / CALIBRATION)
+    _write_manifest(folder, values | {"files": files | {CALIBRATION: digest(folder / CALIBRATION)}})
+
+
+def _write_manifest(folder: Path, values: Mapping[str, Any]) -> None:
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".") as temporary:
+        new = Path(temporary) / MANIFEST
+        new.write_text(json.dumps(values, indent=2, sort_keys=True) + "\n", "utf-8")
+        os.replace(new, folder / MANIFEST)
 
 
 def _check_header(file: IO[bytes], size: int) -> None:

@@ -96,6 +96,9 @@ fps = click.option(
 model = click.option(
     "--model", "model", metavar="NAME", help="A model by its name ('motionseek model list'), or a bundle's folder."
 )
+file_model = click.option(
+    "--model", "model", metavar="NAME", help="Read a file by itself, without a library, with another model."
+)
 AXES = ("x", "y", "z", "-x", "-y", "-z")
 up = click.option("--up", type=click.Choice(AXES), help="The axis of the file that is up, whatever it says.")
 end = click.option("--end", type=Number(min=0), help="End of the span in seconds.")
@@ -172,18 +175,23 @@ def names_clip(text: str, folder: str | None) -> bool:
 
 @contextmanager
 def open_source(
-    ref: str, folder: str | None, *, fps: float | None = None, up: str | None = None
+    ref: str, folder: str | None, *, fps: float | None = None, up: str | None = None, model: str | None = None
 ) -> Iterator[tuple[Encoder, MotionSource, Library | None]]:
     """The model, the motion that `ref` names, and the library, None for a file without one.
 
-    Where no library is given or found, that of the folder that holds the file is used.
+    Where no library is given or found, that of the folder that holds the file is used; none where a model is named.
     """
-    from encoders.bundle.bundle import Bundle
+    from encoders.bundle.known_models import load_model
     from encoders.errors import LibraryError
     from indexer.formats.opening import is_file
     from search.cli.locate import VARIABLE
     from search.references import find_source
 
+    if model is not None:
+        if folder:
+            raise click.UsageError("--model and --library cannot be combined: a library keeps to its own model")
+        yield load_model(model), find_source(ref, None, fps=fps, up=up), None
+        return
     try:
         library = open_library(folder)
     except LibraryError:
@@ -191,7 +199,7 @@ def open_source(
             raise
         around = None if folder or os.environ.get(VARIABLE) else _library_around(Path(ref))
         if around is None:
-            yield Bundle.load(), find_source(ref, None, fps=fps, up=up), None
+            yield load_model(), find_source(ref, None, fps=fps, up=up), None
             return
         library = around
     with library:

@@ -11,7 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from encoders.corpus.composition.captioned_motion import CaptionedTake
-from encoders.corpus.composition.synthetic_pairs import SyntheticClip, relevance
+from encoders.corpus.composition.seeds import CALIBRATION
+from encoders.corpus.composition.synthetic_pairs import SyntheticClip, relevance, synthetic_clips
+from encoders.corpus.language.unrelated import unrelated_sentences
+from encoders.features.registry import feature_kind
 from encoders.protocol import Encoder
 from search.query.encoding import encode_queries
 from search.query.known_words import lexicon
@@ -19,6 +22,8 @@ from search.query.vocabulary import vocabulary
 from search.ranking.strength import background_level, is_out_of_vocabulary, score_statistics
 
 _HITS = 10
+#: Synthetic clips of the background, those queried for, and out-of-domain sentences.
+_BACKGROUND, _QUERIED, _OUT_OF_DOMAIN = 1500, 800, 400
 
 #: `score_statistics` (N, 2) of hits, and whether each is right (N,).
 Judged = tuple[NDArray[np.float64], NDArray[np.bool_]]
@@ -69,6 +74,13 @@ def calibrate(
         "sentence_coefficients": fit_logistic(statistics, truth),
         "motion_coefficients": fit_logistic(*_top_hits(vectors, vectors, same_actions, motions, skip_self=True)),
     }
+
+
+def calibrate_synthetically(encoder: Encoder, takes: Sequence[CaptionedTake] = ()) -> dict[str, NDArray[np.generic]]:
+    """The arrays of `calibrate`, on synthetic clips of the encoder's features that no model is trained on."""
+    clips = list(synthetic_clips(CALIBRATION, _BACKGROUND + _QUERIED, feature_kind(encoder.feature_kind)))
+    out_of_domain = unrelated_sentences(_OUT_OF_DOMAIN, seed=1)
+    return calibrate(encoder, clips[:_BACKGROUND], clips[_BACKGROUND:], out_of_domain, takes)
 
 
 def fit_logistic(

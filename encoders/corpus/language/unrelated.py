@@ -56,3 +56,10 @@ def unrelated_sentence(rng: np.random.Generator) -> str:
         m=rng.choice(_MONTHS),
         n=int(rng.integers(2, 2000)),
     )
+
+
+def unrelated_sentences(count: int, seed: int = 0) -> list[str]:
+    """Distinct out-of-domain sentences."""
+    rng = np.random.default_rng(seed)
+    found = dict.fromkeys(unrelated_sentence(rng) for _ in range(2 * count))
+    return list(found)[:count]

@@ -19,7 +19,6 @@ from encoders.corpus.composition.facts import facts
 from encoders.corpus.composition.seeds import TRAINING
 from encoders.corpus.composition.synthetic_pairs import synthetic_clips
 from encoders.corpus.language.held_out_sentences import HeldOutSentences
-from encoders.corpus.language.unrelated import unrelated_sentence
 from encoders.corpus.scene import Scene
 from encoders.features.registry import FEATURE_KINDS, FeatureKind
 from encoders.tmr.training.pairs import Pair, PairStore
@@ -119,10 +118,3 @@ def _without(pair: Pair, held_out: HeldOutSentences) -> Pair:
         meanings=meanings,
         hard_negatives=tuple(negatives[i] for i in kept) if negatives else (),
     )
-
-
-def unrelated_sentences(count: int, seed: int = 0) -> list[str]:
-    """Distinct out-of-domain sentences."""
-    rng = np.random.default_rng(seed)
-    found = dict.fromkeys(unrelated_sentence(rng) for _ in range(2 * count))
-    return list(found)[:count]

@@ -22,6 +22,7 @@ from search.cli import options
 )
 @options.fps
 @options.up
+@options.file_model
 @options.library
 @options.as_json
 def describe(
@@ -31,6 +32,7 @@ def describe(
     k: int,
     fps: float | None,
     up: str | None,
+    model: str | None,
     folder: str | None,
     as_json: bool,
 ) -> None:
@@ -49,7 +51,10 @@ def describe(
     from search.documents import description_document
     from search.ranking.description import describe_motion
 
-    with working("describing"), options.open_source(ref, folder, fps=fps, up=up) as (bundle, source, library):
+    with (
+        working("describing"),
+        options.open_source(ref, folder, fps=fps, up=up, model=model) as (bundle, source, library),
+    ):
         texts, _, vectors = library.caption_vectors() if library else ((), None, None)
         sentences = describe_motion(bundle, source.cut(start, end), k, texts, vectors)
     if as_json:

@@ -33,6 +33,7 @@ from search.cli.sentence_command import SentenceCommand, quoted
 @options.filters
 @options.fps
 @options.up
+@options.file_model
 @options.library
 @options.as_json
 def moments(
@@ -49,6 +50,7 @@ def moments(
     min_strength: str | None,
     fps: float | None,
     up: str | None,
+    model: str | None,
     folder: str | None,
     as_json: bool,
     **filters: Any,
@@ -84,10 +86,9 @@ def moments(
         options.refuse_overwriting(plot, force)
         refuse_format(plot)
     if ref is None:
-        if fps is not None:
-            raise click.UsageError("--fps needs a CLIP")
-        if up is not None:
-            raise click.UsageError("--up needs a CLIP")
+        for option, value in {"--fps": fps, "--up": up, "--model": model}.items():
+            if value is not None:
+                raise click.UsageError(f"{option} needs a CLIP")
         with options.open_library(folder) as library:
             with working("searching"):
                 found = library.answer(question, None, k, min_strength=min_strength, **filters)
@@ -100,7 +101,10 @@ def moments(
     from search.moments.queried_motion import QueriedMotion
 
     refuse_filters(filters)
-    with _quoting(sentence, ref), options.open_source(ref, folder, fps=fps, up=up) as (bundle, source, in_library):
+    with (
+        _quoting(sentence, ref),
+        options.open_source(ref, folder, fps=fps, up=up, model=model) as (bundle, source, in_library),
+    ):
         with working(f"searching {source.path}"):
             motion = QueriedMotion(bundle, source, question.encode(bundle))
             found = moments_of(motion, k, min_strength)

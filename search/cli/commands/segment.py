@@ -22,6 +22,7 @@ from search.cli import options
 @options.force
 @options.fps
 @options.up
+@options.file_model
 @options.library
 @options.as_json
 def segment(
@@ -32,6 +33,7 @@ def segment(
     force: bool,
     fps: float | None,
     up: str | None,
+    model: str | None,
     folder: str | None,
     as_json: bool,
 ) -> None:
@@ -64,7 +66,10 @@ def segment(
         if write is None:
             raise click.UsageError(f"{out}: unsupported format; use {', '.join(FORMATS)}")
         options.refuse_overwriting(out, force)
-    with working("segmenting"), options.open_source(ref, folder, fps=fps, up=up) as (bundle, source, library):
+    with (
+        working("segmenting"),
+        options.open_source(ref, folder, fps=fps, up=up, model=model) as (bundle, source, library),
+    ):
         if captions:
             names = sorted(set(library.caption_vectors()[0])) if library else []
             if not names:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from encoders.bundle.bundle import Bundle
+from encoders.bundle.known_models import load_model
 from encoders.skeleton import BONE_LENGTHS, PARENTS, RAW_OFFSETS
 from tests.encoders.bundle.conftest import change
 from tests.search.conftest import Run
@@ -84,6 +85,38 @@ def test_a_library_whose_model_is_gone_says_which_and_what_to_do(run: Run, other
         assert "motionseek model list" in refused.err
     assert run("index", moves, "--rebuild", "--jobs", 1).code == 0
     assert run("search", "stands", "--library", moves).code == 0
+
+
+@pytest.mark.parametrize(
+    "command",
+    [("describe", "FILE"), ("moments", "a person stands", "FILE"), ("segment", "FILE", "--labels", "stand,walk")],
+)
+def test_a_file_is_read_by_itself_with_another_model(
+    run: Run, other: str, tmp_path: Path, command: tuple[str, ...]
+) -> None:
+    np.save(tmp_path / "standing.npy", joints_of(80))
+    asked = [str(tmp_path / "standing.npy") if word == "FILE" else word for word in command]
+    assert run(*asked, "--model", other, "--json").code == 0
+    refused = run(*asked, "--model", "nobody")
+    assert (refused.code, "no model 'nobody'" in refused.err) == (1, True)
+    both = run(*asked, "--model", other, "--library", tmp_path)
+    assert (both.code, "cannot be combined" in both.err) == (2, True)
+
+
+def test_a_bundle_is_calibrated_where_it_lies_and_the_shipped_one_is_not(
+    run: Run, other: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arrays = {"motions": np.eye(24, dtype=np.float16), "words": np.array(["walk"])}
+    monkeypatch.setattr("search.ranking.strength_calibration.calibrate_synthetically", lambda bundle: arrays)
+    before = load_model(other).fingerprint
+    for _ in range(2):  # anew, too
+        assert run("model", "calibrate", other).code == 0
+        calibrated = load_model(other)
+        assert calibrated.fingerprint == before
+        np.testing.assert_array_equal(calibrated.calibration["motions"], np.eye(24))
+    for name in ("default", "nobody"):
+        refused = run("model", "calibrate", name)
+        assert (refused.code, refused.err.count("\n")) == (1, 1)
 
 
 def joints_of(frames: int) -> np.ndarray:

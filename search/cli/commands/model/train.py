@@ -92,9 +92,10 @@ def train(
     from encoders.corpus.composition.seeds import RUNS_APART, TRAINING, VALIDATION
     from encoders.corpus.heldout.queries import paraphrase_queries
     from encoders.corpus.language.held_out_sentences import HeldOutSentences
+    from encoders.corpus.language.unrelated import unrelated_sentences
     from encoders.features.registry import FEATURE_KINDS
     from encoders.tmr.text.language_model import LanguageModel
-    from encoders.tmr.training.dataset import synthetic_store, synthetic_stores, unrelated_sentences
+    from encoders.tmr.training.dataset import synthetic_store, synthetic_stores
     from encoders.tmr.training.pipeline import prepare
     from encoders.tmr.training.pipeline import train as train_in
 
