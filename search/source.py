@@ -18,7 +18,7 @@ from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.formats.reading import split_name
 from indexer.ingest.arrays import to_motion
-from indexer.ingest.load import read_motion
+from indexer.ingest.load import issue_warnings, read_motion
 from indexer.ingest.unindexed import file_state, read_unindexed
 from indexer.read_motion import NOT_KNOWN, Reading, extent
 from indexer.store.clips import Caption, Clip
@@ -118,6 +118,7 @@ class MotionSource:
             read = read_motion(fspath(path), fps, up=up)
         else:
             read = read_unindexed(library, Path(path), fps=fps, up=up)
+        issue_warnings(fspath(path), read.reading)
         file, part = split_name(path)
         return replace(cls.of_motion(read.motion, fspath(path), file), part=part, reading=read.reading)
 

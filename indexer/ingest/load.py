@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import os
+import warnings
 from dataclasses import replace
 from hashlib import blake2b
 from os import PathLike
 
 from encoders.arguments import checked_path
-from encoders.errors import UnreadableMotion
+from encoders.errors import MotionSeekWarning, UnreadableMotion
 from encoders.motion import Motion
 from indexer.argument_checks import checked_joint_map, checked_rate, checked_up
 from indexer.ingest.file_parts import read_part, read_parts
-from indexer.read_motion import ReadMotion
-from indexer.rigs.retarget import retarget, retarget_with_reading
+from indexer.read_motion import Reading, ReadMotion
+from indexer.rigs.retarget import retarget_with_reading
 from indexer.take import Take
 
 
@@ -45,11 +47,24 @@ def load_motion(
         If the file holds no motion that can be read, or several and none is named.
     UnknownRig
         If its skeleton cannot be mapped; names what is missing.
+
+    Warns
+    -----
+    MotionSeekWarning
+        Of what was left out, mended or taken for granted.
     """
     file, rate, names = checked_path("path", path), checked_rate(fps), checked_joint_map(joint_map)
     axis, part = checked_up(up), read_part(file, fps=rate)
     take = part.take.with_up(axis)
-    return retarget(take, path=part.file, joint_map=names)
+    motion, reading = retarget_with_reading(take, path=part.file, joint_map=names)
+    issue_warnings(os.fspath(path), reading)
+    return motion
+
+
+def issue_warnings(path: str, reading: Reading) -> None:
+    """Say what was taken for granted in reading a file that no library holds, as `MotionSeekWarning`s."""
+    for warning in reading.warnings:
+        warnings.warn(f"{path}: {warning}", MotionSeekWarning, stacklevel=3)
 
 
 def read_motions(
@@ -83,8 +98,8 @@ def read_motions(
             failed.append((part or take.name, error))
     if not found:
         raise failed[0][1]
-    warnings = [f"{part or 'the first figure'} is left out: {error.reason}" for part, error in failed]
-    return [replace(found[0], reading=found[0].reading.warned(*warnings)), *found[1:]]
+    left_out = [f"{part or 'the first figure'} is left out: {error.reason}" for part, error in failed]
+    return [replace(found[0], reading=found[0].reading.warned(*left_out)), *found[1:]]
 
 
 def read_motion(

@@ -115,7 +115,7 @@ def retarget_with_reading(
         start=posing / rate,
         source_fps=rate,
         source_frames=len(take.positions),
-        warnings=(*take.warnings, *rate_warnings(motion, rate)),
+        warnings=(*take.warnings, *up.warnings(), *rate_warnings(motion, rate)),
     )
     return motion, reading
 

@@ -4,10 +4,12 @@ import shutil
 
 import pytest
 
+import motionseek
 from indexer.ingest.indexing import index
 from indexer.ingest.unindexed import known_options, read_unindexed
 from indexer.store.stored_library import StoredLibrary
 from tests.indexer.folders import SmallBundle, write
+from tests.indexer.performances import bvh, performance
 
 
 @pytest.fixture
@@ -76,3 +78,11 @@ def test_a_motion_is_known_by_its_content_with_its_skeleton(root, tmp_path, moca
         found = library.find("walk").duration
     assert duration(root, away / "walk.amc") == found
     assert duration(root, away / "walk.amc", fps=120) == found / 4
+
+
+def test_what_was_taken_for_granted_is_said(tmp_path):
+    path = tmp_path / "take.bvh"
+    path.write_text(bvh(performance()).replace("Frames: 30", "Frames: 40"))
+    for read in (motionseek.load, lambda path: motionseek.describe(path, 1)):
+        with pytest.warns(motionseek.MotionSeekWarning, match=r"take\.bvh: it announces 40 frames but holds 30"):
+            read(path)
