@@ -84,7 +84,15 @@ def rest_pose_correction(landmarks: Landmarks, rest: Landmarks) -> RestPoseCorre
     `landmarks` are right-handed with Y up, those of `rest` right-handed.
     """
     standing = standing_axes(rest)
-    return _from_movement(landmarks) if standing is None else _from_rest(rest.transformed(standing.T))
+    if standing is None or max(_knee_bends(rest)) > _MAX_BEND:  # with bent knees it is a frame of some movement
+        return _from_movement(landmarks)
+    return _from_rest(rest.transformed(standing.T))
+
+
+def _knee_bends(rest: Landmarks) -> list[float]:
+    """How far (degrees) each knee is bent in a rest pose (T = 1)."""
+    legs = [(rest.bone(f"{side}_hip", f"{side}_knee"), rest.bone(f"{side}_knee", f"{side}_ankle")) for side in SIDES]
+    return [float(angle_between(thigh, shank)[0]) for thigh, shank in legs]
 
 
 def _from_rest(body: Landmarks) -> RestPoseCorrection:

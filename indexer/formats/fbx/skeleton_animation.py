@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from indexer.formats.fbx import binary_records, text_records
 from indexer.formats.fbx.objects import FbxScene, read_scene
 from indexer.formats.fbx.records import DamagedFbx
 from indexer.formats.fbx.skeleton_nodes import joints_of
-from indexer.formats.fbx.stacks import ROTATION, Stack, move, read_stacks
+from indexer.formats.fbx.stacks import ROTATION, Stack, Target, move, read_stacks
 from indexer.formats.fbx.takes_section import read_takes_section
 from indexer.formats.fbx.world_transforms import Placed, place, with_ancestors
 
@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 DEFAULT_FPS = 30.0
 #: Places of joints that an animation may have, however few keys it has; and so many more for each key.
 _MAX_PLACES, _PLACES_A_KEY = 4_000_000, 10
+_ALONG, _BOTH_WAYS = 0.95, 0.08  # of a T-pose: cosine of bones along an axis, share of their length on either way
 _ON_GRID = 1e-3  # frames by which the last one may lie beyond the span, which programs round
 
 
@@ -84,28 +85,55 @@ class SkeletonAnimation:
     def rest(self) -> Floats:
         """World matrices (J, 4, 4) of the pose in which a mesh was bound to the skeleton.
 
-        Where there is none for a joint, it stands in the next one above as the models' own values say.
+        Where there is none for a joint, it stands in the next one above as the models' own values say. Where there is
+        none at all and joints that turn by nothing make a T-pose, that: the values are but a frame of the animation.
 
         Raises
         ------
         DamagedFbx
             Where these are no numbers.
         """
-        stated: dict[int, Floats] = {}
+        stated = self._standing({})
+        if not self.scene.bind:
+            unturned = self._standing({(joint, ROTATION): np.zeros((3, 1)) for joint in self.joints})
+            pose = np.array([unturned[joint] for joint in self.joints])
+            return pose if is_t_pose(pose[:, :3, 3], self.parents()) else np.array([stated[j] for j in self.joints])
         bound: dict[int, Floats] = {}
-        for model, placed in place(self.scene, with_ancestors(self.scene, self.joints), {}, 1).items():
-            stated[model] = np.eye(4)
-            stated[model][:3] = np.concatenate([placed.scaled[:, :, 0].T, placed.position], axis=1)
-            if not np.isfinite(stated[model]).all():
-                raise DamagedFbx(f"{self.scene.models[model].name!r} stands at a place that is no number")
+        for model in stated:
             parent = self.scene.models[model].parent
             if model in self.scene.bind:
                 bound[model] = self.scene.bind[model]
-            elif parent in bound and self.scene.bind:
+            elif parent in bound:
                 bound[model] = bound[parent] @ np.linalg.pinv(stated[parent]) @ stated[model]
             else:
                 bound[model] = stated[model]
         return np.array([bound[joint] for joint in self.joints])
+
+    def _standing(self, moved: Mapping[Target, Floats]) -> dict[int, Floats]:
+        """World matrices (4, 4) of the joints and all they hang on, parents first; `moved` values (3, 1), else stated.
+
+        Raises
+        ------
+        DamagedFbx
+            Where these are no numbers.
+        """
+        found: dict[int, Floats] = {}
+        for model, placed in place(self.scene, with_ancestors(self.scene, self.joints), moved, 1).items():
+            found[model] = np.eye(4)
+            found[model][:3] = np.concatenate([placed.scaled[:, :, 0].T, placed.position], axis=1)
+            if not np.isfinite(found[model]).all():
+                raise DamagedFbx(f"{self.scene.models[model].name!r} stands at a place that is no number")
+        return found
+
+
+def is_t_pose(places: Floats, parents: NDArray[np.int64]) -> bool:
+    """Whether bones of joints (J, 3) point both ways along two axes: legs and trunk, and arms stretched out."""
+    inner = np.flatnonzero(parents >= 0)
+    bones = places[inner] - places[parents[inner]]
+    lengths = np.linalg.norm(bones, axis=-1)
+    along = bones / np.maximum(lengths, 1e-9)[:, None]
+    ways = np.minimum(*((lengths[:, None] * (sign * along > _ALONG)).sum(axis=0) for sign in (1, -1)))
+    return bool((ways > _BOTH_WAYS * lengths.sum()).sum() >= 2)
 
 
 def animations(data: bytes) -> Iterator[SkeletonAnimation]:

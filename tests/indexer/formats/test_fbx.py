@@ -114,6 +114,25 @@ def test_a_scale_is_taken_over_as_the_node_says(tmp_path: Path, inherit: int, pl
     np.testing.assert_allclose(pose(tmp_path, turned, scaled), place, atol=1e-9)
 
 
+@pytest.mark.parametrize("leg", [(0.0, -4.0, 0.0), (0.0, 4.0, 0.0)])
+def test_without_bind_pose_a_t_pose_of_unturned_joints_is_the_rest_pose(
+    tmp_path: Path, leg: tuple[float, float, float]
+) -> None:
+    """What the nodes state is but the frame at which the scene was saved; all bones along one axis are no pose."""
+    places = {"Hips": "", "Head": "Hips", "LeftHand": "Head", "RightHand": "Head", "LeftFoot": "Hips"}
+    offsets = [(0.0, 0.0, 0.0), (0.0, 5.0, 0.0), (3.0, 0.0, 0.0), (-3.0, 0.0, 0.0), leg]
+    nodes = [
+        Node(name, parent=parent, properties={"Lcl Translation": offset, "Lcl Rotation": (0.0, 0.0, 30.0)})
+        for (name, parent), offset in zip(places.items(), offsets, strict=True)
+    ]
+    stacks = [Stack("A", [Layer({("Head", "Lcl Rotation"): {"X": 0.0, "Y": 0.0, "Z": HALF_TURN}})], (0, 1))]
+    (take,) = read(tmp_path, fbx.binary(fbx.scene(nodes, stacks, settings=TWO)))
+    assert np.allclose(take.rest, [[0, 0, 0], [0, 5, 0], [3, 5, 0], [-3, 5, 0], leg]) == (leg[1] < 0)
+    assert take.rotations is not None
+    hand = take.rotations()[:, 1] @ (take.rest[2] - take.rest[1])
+    np.testing.assert_allclose(hand, take.positions[:, 2] - take.positions[:, 1], atol=1e-9)
+
+
 def turned(folder: Path, keys: Keys, frames: float = 4.0, layers: tuple[Layer, ...] = ()) -> np.ndarray:
     """X of a hip that moves by a curve, at some frames a second."""
     stacks = [Stack("A", [Layer({("Hips", "Lcl Translation"): {"X": keys, "Y": 0.0, "Z": 0.0}}), *layers], (0, 1))]
