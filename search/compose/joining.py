@@ -1,0 +1,85 @@
+"""Joining in time: pieces of real motion one after the other, each placed where the one before leads.
+
+At a join the later piece is turned about the vertical and moved over the ground until both agree there, never up or
+down; both go on for a while beyond the join, as far as their clips have more, and are blended as rotations (Kovar et
+al., "Motion graphs", SIGGRAPH 2002).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.skeleton import INDEX
+from search.compose.rotations import Rotated, concatenated
+
+Array = NDArray[np.float64]
+
+_GROUND = np.array([1.0, 0.0, 1.0])
+_LEFT = [INDEX["left_hip"], INDEX["left_shoulder"]]
+_RIGHT = [INDEX["right_hip"], INDEX["right_shoulder"]]
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """What a stretch of frames shows.
+
+    Attributes
+    ----------
+    source : Rotated
+        The whole clip, of which more than the piece may be seen in joins.
+    first : float
+        Where in the clip, in frames, the piece begins.
+    rate : float
+        Frames of the clip for one of the piece.
+    frames : int
+        Frames of the piece.
+    """
+
+    source: Rotated
+    first: float
+    rate: float
+    frames: int
+
+    def sampled(self, start: int, end: int) -> Rotated:
+        """Frames `start` to `end` of the piece; it goes on outside itself as far as the clip does."""
+        return self.source.at(self.first + self.rate * np.arange(start, end))
+
+
+def joined(pieces: Sequence[Piece], overlap: int) -> Rotated:
+    """The pieces one after the other, blended over `overlap` frames around each join, fewer where one is short."""
+    done = pieces[0].sampled(0, pieces[0].frames + overlap)
+    length = pieces[0].frames
+    for before, piece in zip(pieces, pieces[1:], strict=False):
+        half = max(min(overlap, before.frames, piece.frames) // 2, 0)
+        later = piece.sampled(-half, piece.frames + overlap)
+        later = aligned(later, half, done, length)
+        share = smooth((np.arange(2 * half) + 1) / (2 * half + 1))
+        blend = done[length - half : length + half].blended(later[: 2 * half], share)
+        done = concatenated([done[: length - half], blend, later[2 * half :]])
+        length += piece.frames
+    return done[:length]
+
+
+def aligned(motion: Rotated, at: int, to: Rotated, frame: int) -> Rotated:
+    """A motion turned and moved over the ground so that its frame `at` stands and faces as a frame of another does."""
+    yaw = float(heading(to[frame : frame + 1].joints())[0] - heading(motion[at : at + 1].joints())[0])
+    turned = motion.moved(yaw, np.zeros(3))
+    return turned.moved(0.0, (to.root[frame] - turned.root[at]) * _GROUND)
+
+
+def heading(joints: Array) -> Array:
+    """Angles (...,) about Y, from +Z towards +X, that bodies of joints (..., 22, 3) face."""
+    across = (joints[..., _LEFT, :] - joints[..., _RIGHT, :]).sum(axis=-2)
+    angle: Array = np.arctan2(-across[..., 2], across[..., 0])
+    return angle
+
+
+def smooth(share: Array) -> Array:
+    """Shares from 0 to 1 that begin and end without a jump of speed."""
+    s = np.clip(share, 0, 1)
+    smoothed: Array = s * s * (3 - 2 * s)
+    return smoothed
