@@ -47,6 +47,8 @@ from indexer.ingest.load import load_motion as load
 from indexer.ingest.storing import Summary
 from indexer.store.clips import Caption, Clip
 from indexer.store.marks.marks_table import Marks
+from search.compose.composition import Composition
+from search.compose.timeline import Interval, Timeline
 from search.hits import Hit, Hits, Step
 from search.library import Library
 from search.moments.segments import Segment
@@ -65,12 +67,14 @@ __all__ = [
     "BundleMismatch",
     "Caption",
     "Clip",
+    "Composition",
     "Copy",
     "Encoder",
     "EncoderAdapter",
     "FeatureKind",
     "Hit",
     "Hits",
+    "Interval",
     "Library",
     "LibraryDamaged",
     "LibraryError",
@@ -86,6 +90,7 @@ __all__ = [
     "Segment",
     "Step",
     "Summary",
+    "Timeline",
     "TokenEncoder",
     "UnknownClip",
     "UnknownRig",

@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.arguments import checked_count, checked_flag, checked_number, checked_path, checked_span, unit_vector
+from encoders.arguments import (
+    checked_count,
+    checked_flag,
+    checked_number,
+    checked_path,
+    checked_span,
+    shown,
+    unit_vector,
+    whole_number,
+)
 from encoders.errors import ArgumentError
 from encoders.motion import FPS, Motion
 from encoders.protocol import TokenEncoder
@@ -19,6 +28,8 @@ from indexer.ingest import arrays
 from indexer.ingest.arrays import NewClip
 from indexer.store.clips import Caption, Clip
 from indexer.store.library_reader import one_snapshot
+from search.compose.composition import MAX_TRANSITION, TRANSITION, Composition, compose
+from search.compose.timeline import Timeline
 from search.drawing.film import write_picture
 from search.export.cut import RATES, writable, write_cut
 from search.export.hit_files import export_hits
@@ -415,6 +426,41 @@ class Library(MarkedLibrary):
         """
         allowed = self.allowed(**filters)
         return stacks(self, progress) if allowed is None else among(stacks(self, progress), allowed)
+
+    @one_snapshot
+    def compose(
+        self,
+        timeline: Timeline,
+        *,
+        samples: int = 1,
+        seed: int = 0,
+        after: Ref | None = None,
+        transition: float = TRANSITION,
+        **filters: Unpack[FilterArguments],
+    ) -> list[Composition]:
+        """Motions for a time line of sentences, made of the library's clips; see `search.compose`.
+
+        Parameters
+        ----------
+        timeline : Timeline
+            Sentences with their seconds and body parts.
+        samples, seed : int
+            How many different motions, the best first, and what chooses those after it.
+        after : optional
+            A motion that comes before the time line.
+        transition : float
+            Seconds in which one piece goes over into the next.
+        """
+        if not isinstance(timeline, Timeline):
+            raise ArgumentError(f"timeline={shown(timeline)} must be a Timeline; make one with Timeline.of")
+        before = None if after is None else self.source(after).motion
+        samples, seconds = checked_count(samples, "samples"), checked_number("transition", transition)
+        if not 0 < seconds <= MAX_TRANSITION or whole_number(seed) is None or seed < 0:
+            raise ArgumentError(
+                f"transition={transition} must be 0 to {MAX_TRANSITION:g} seconds, and seed={seed} 0 or more"
+            )
+        allowed = self.allowed(**filters)
+        return compose(timeline, self, samples=samples, seed=seed, after=before, transition=seconds, allowed=allowed)
 
     def source(self, ref: Ref, *, fps: float | None = None, up: str | None = None) -> MotionSource:
         """The motion that a reference means, with what the library knows of it."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -103,11 +103,12 @@ AXES = ("x", "y", "z", "-x", "-y", "-z")
 up = click.option("--up", type=click.Choice(AXES), help="The axis of the file that is up, whatever it says.")
 end = click.option("--end", type=Number(min=0), help="End of the span in seconds.")
 
+_BY_RIG = click.option("--rig", metavar="NAME", help="Only clips with this rig.")
 _FILTERS = (
     click.option("--min-duration", type=Number(min=0), metavar="S", help="Only clips of at least S seconds."),
     click.option("--max-duration", type=Number(min=0), metavar="S", help="Only clips of at most S seconds."),
     click.option("--path", metavar="PATTERN", help="Only clips whose path matches a glob, such as 'fights/*'."),
-    click.option("--rig", metavar="NAME", help="Only clips with this rig."),
+    _BY_RIG,
     click.option("--format", metavar="NAME", help="Only clips of this file format."),
     click.option("--captioned/--uncaptioned", default=None, help="Only clips with captions, or without."),
     click.option("--split", metavar="NAME", help="Only clips of a data set's split, such as 'test'."),
@@ -119,7 +120,16 @@ _FILTERS = (
 
 def filters(command: F) -> F:
     """Adds the options that filter clips."""
-    for option in reversed(_FILTERS):
+    return _with(command, _FILTERS)
+
+
+def filters_but_rig(command: F) -> F:
+    """Adds them to a command whose --rig names a file."""
+    return _with(command, [option for option in _FILTERS if option is not _BY_RIG])
+
+
+def _with(command: F, added: Sequence[Callable[[F], F]]) -> F:
+    for option in reversed(added):
         command = option(command)
     return command
 

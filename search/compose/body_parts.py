@@ -11,9 +11,8 @@ from encoders.errors import QueryError
 from encoders.skeleton import INDEX
 
 #: Part -> the joints whose rotations are its own; the root's way and heading go with the legs.
-JOINTS_OF = {
-    "legs": ("pelvis", "left_hip", "right_hip", "left_knee", "right_knee", "left_ankle", "right_ankle")
-    + ("left_foot", "right_foot"),
+JOINTS_OF: dict[str, tuple[str, ...]] = {
+    "legs": tuple("pelvis left_hip right_hip left_knee right_knee left_ankle right_ankle left_foot right_foot".split()),
     "spine": ("spine1", "spine2", "spine3"),
     "head": ("neck", "head"),
     "left arm": ("left_collar", "left_shoulder", "left_elbow", "left_wrist"),
@@ -52,7 +51,10 @@ _WORDS = tuple(
         (r"\b(both|two) (hands|arms)|\bclap|\b(his|her|their|the) (hands|arms)\b|\barms\b|\bshrug|\bcross", _ARMS),
         (r"\bleft[- ](hand|arm|elbow|wrist|fist|shoulder)|\b(hand|arm)s? to the left", frozenset({"left arm"})),
         (r"\bright[- ](hand|arm|elbow|wrist|fist|shoulder)|\b(hand|arm)s? to the right", frozenset({"right arm"})),
-        (r"\b(nod|shakes? (his|her|their|the)? ?head|look(s|ing)?|turns? (his|her|their|the) head|head)\b", {"head"}),
+        (
+            r"\b(nod(s|ding)?|shakes? (his|her|their|the)? ?head|look(s|ing)?|turns? (his|her|their|the) head|head)\b",
+            {"head"},
+        ),
         (r"\b(bow|bend|lean|twist)(s|ing)?\b", _UPPER),
         (r"\b(wav(e|es|ing)|point|salut|throw|catch|punch|drink|eat|phone|call|knock|wip|beckon|greet)", {"right arm"}),
     )
@@ -87,5 +89,4 @@ def parts_of(sentence: str) -> frozenset[str]:
     """The parts that a sentence speaks of: all where it speaks of legs, or of none."""
     if _LEGS.search(_TURNED_HEAD.sub("", sentence)):
         return ALL
-    found = next((frozenset(parts) for pattern, parts in _WORDS if pattern.search(sentence)), ALL)
-    return found
+    return next((frozenset(parts) for pattern, parts in _WORDS if pattern.search(sentence)), ALL)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.skeleton import INDEX
-from search.compose.joining import heading
+from search.compose.joins import heading
 
 Array = NDArray[np.float64]
 

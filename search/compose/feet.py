@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 _LEGS = [tuple(INDEX[f"{side}_{joint}"] for joint in ("hip", "knee", "ankle", "foot")) for side in ("left", "right")]
 #: Metres above its own lowest height in which a foot may stand, metres a second below which it does.
 _LOW, _SLOW = 0.06, 0.25
-#: Shortest stand in seconds, seconds in which a held foot is let go, share of a leg's length that it may be stretched to.
+#: Shortest stand in seconds, seconds in which a held foot is let go, and how far a leg may be stretched.
 _STAND, _RELEASE, _REACH = 0.1, 0.2, 0.999
 
 
@@ -39,7 +39,7 @@ def planted(joints: Array, rests: NDArray[np.bool_], fps: float) -> Array:
     rests : bool array (T, 2)
         Where a foot should stand.
     """
-    held = joints.copy()
+    held: Array = joints.copy()
     for side, leg in enumerate(_LEGS):
         shift = np.zeros((len(joints), 3))
         for first, last in _runs(rests[:, side]):

@@ -62,6 +62,11 @@ class Rotated:
             places[:, joint] = places[:, parent] + apply(world[:, parent], self.bones[:, joint])
         return places
 
+    def joints_at(self, frame: int) -> Array:
+        """Positions (22, 3) in one frame."""
+        joints: Array = self[frame : frame + 1].joints()[0]
+        return joints
+
     def at(self, frames: Array) -> Rotated:
         """The motion at places (N,), counted in frames; before its first and after its last it stands still."""
         places = np.clip(frames, 0, len(self) - 1)

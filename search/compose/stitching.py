@@ -11,7 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from search.compose.body_parts import INDICES
-from search.compose.joining import smooth
+from search.compose.joins import smooth
 from search.compose.rotations import Rotated
 
 

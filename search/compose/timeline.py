@@ -120,28 +120,25 @@ class Timeline:
 
 
 def _with_parts(intervals: list[Interval], place: str) -> list[Interval]:
-    """The intervals with body parts: told by the words where they overlap others, else all."""
-    found = []
-    for one in intervals:
-        others = [other for other in intervals if other is not one and _overlap(one, other)]
-        given = one.parts or (parts_of(one.text) if others else ALL)
-        found.append(replace(one, parts=given))
-    # One sentence that speaks of the whole body leaves to the others what they name.
-    leading = [
-        replace(
-            one, parts=one.parts - frozenset().union(*(o.parts for o in found if o is not one and _overlap(one, o)))
-        )
-        if not intervals[i].parts and one.parts == ALL and any(o.parts != ALL for o in found if _overlap(one, o))
-        else one
-        for i, one in enumerate(found)
+    """The intervals with body parts: given ones, else what the words tell where others go on at the same time.
+
+    A sentence of the whole body leaves to the others what they name.
+    """
+    beside = [
+        [j for j, other in enumerate(intervals) if j != i and _overlap(one, other)] for i, one in enumerate(intervals)
     ]
-    for a, b in combinations(leading, 2):
+    told = [one.parts or (parts_of(one.text) if others else ALL) for one, others in zip(intervals, beside, strict=True)]
+    found = []
+    for one, parts, others in zip(intervals, told, beside, strict=True):
+        theirs = frozenset[str]().union(*(told[j] for j in others))
+        found.append(replace(one, parts=parts - theirs if not one.parts and parts == ALL and theirs != ALL else parts))
+    for a, b in combinations(found, 2):
         if _overlap(a, b) and a.parts & b.parts:
             raise QueryError(
                 f"{place}{a} and {b} both need {' and '.join(sorted(a.parts & b.parts))}; "
                 "let one follow the other, or give each its own parts"
             )
-    return leading
+    return found
 
 
 def _overlap(a: Interval, b: Interval) -> bool:

@@ -31,7 +31,7 @@ def _commands(group: click.Group, ctx: click.Context, name: str = "") -> dict[st
 
 ALL = _commands(cli, click.Context(cli))
 #: Commands whose outcome is no answer but a server, a model or a page.
-ENDLESS = {"serve", "model train", "model release", "model card"}
+ENDLESS = {"serve", "model train", "model release", "model card", "model import", "model calibrate"}
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -248,6 +248,8 @@ def test_no_command_loads_torch(indexed: Path, tiny_bundle: Path, tmp_path: Path
         ["export", "take 3", str(tmp_path / "x.bvh"), *library],
         ["render", "take 3", str(tmp_path / "x.gif"), "--size", "64", *library],
         ["status", *library],
+        ["duplicates", *library],
+        ["compose", "--then", "walks", "2", "-o", str(tmp_path / "y.bvh"), *library],
         ["list", *library],
         ["tag", "take 3", "--star", *library],
         ["check", *library],

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,8 @@ from search.compose.rotations import Rotated, concatenated
 
 Array = NDArray[np.float64]
 
+#: Longest blend, as a multiple of the usual one; half of one, in usual ones, for each metre between two poses.
+_LONGEST, _SLOWNESS = 3, 3.5
 _GROUND = np.array([1.0, 0.0, 1.0])
 _LEFT = [INDEX["left_hip"], INDEX["left_shoulder"]]
 _RIGHT = [INDEX["right_hip"], INDEX["right_shoulder"]]
@@ -46,17 +49,22 @@ class Piece:
 
     def sampled(self, start: int, end: int) -> Rotated:
         """Frames `start` to `end` of the piece; it goes on outside itself as far as the clip does."""
-        return self.source.at(self.first + self.rate * np.arange(start, end))
+        return self.source.at(self.first + self.rate * np.arange(start, end, dtype=np.float64))
 
 
 def joined(pieces: Sequence[Piece], overlap: int) -> Rotated:
-    """The pieces one after the other, blended over `overlap` frames around each join, fewer where one is short."""
-    done = pieces[0].sampled(0, pieces[0].frames + overlap)
+    """The pieces one after the other, blended around each join.
+
+    A blend takes `overlap` frames; more where the two poses lie far apart, and fewer where a piece is short.
+    """
+    done = pieces[0].sampled(0, pieces[0].frames + _LONGEST * overlap)
     length = pieces[0].frames
-    for before, piece in zip(pieces, pieces[1:], strict=False):
-        half = max(min(overlap, before.frames, piece.frames) // 2, 0)
-        later = piece.sampled(-half, piece.frames + overlap)
-        later = aligned(later, half, done, length)
+    for before, piece in pairwise(pieces):
+        most = min(_LONGEST * overlap, before.frames, piece.frames) // 2
+        later = aligned(piece.sampled(-most, piece.frames + _LONGEST * overlap), most, done, length)
+        apart = np.linalg.norm(later.joints_at(most) - done.joints_at(length), axis=-1).mean()
+        half = min(max(overlap // 2, round(_SLOWNESS * overlap * float(apart))), most)
+        later = later[most - half :]
         share = smooth((np.arange(2 * half) + 1) / (2 * half + 1))
         blend = done[length - half : length + half].blended(later[: 2 * half], share)
         done = concatenated([done[: length - half], blend, later[2 * half :]])
@@ -66,7 +74,7 @@ def joined(pieces: Sequence[Piece], overlap: int) -> Rotated:
 
 def aligned(motion: Rotated, at: int, to: Rotated, frame: int) -> Rotated:
     """A motion turned and moved over the ground so that its frame `at` stands and faces as a frame of another does."""
-    yaw = float(heading(to[frame : frame + 1].joints())[0] - heading(motion[at : at + 1].joints())[0])
+    yaw = float(heading(to.joints_at(frame)) - heading(motion.joints_at(at)))
     turned = motion.moved(yaw, np.zeros(3))
     return turned.moved(0.0, (to.root[frame] - turned.root[at]) * _GROUND)
 

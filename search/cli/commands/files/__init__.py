@@ -1,0 +1,1 @@
+"""Commands that write a motion or a picture: export, render, compose."""
