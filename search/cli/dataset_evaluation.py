@@ -6,11 +6,12 @@ features, or from a language model in a folder.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from encoders.errors import BundleError, QueryError
 from encoders.features.registry import FeatureKind, feature_kind
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from encoders.tmr.conversion.from_published import PublishedData
     from encoders.tmr.text.language_model import LanguageModel
     from indexer.datasets.captioned_dataset import CaptionedDataset
+
+T = TypeVar("T")
 
 _EVERY = 1024
 
@@ -77,6 +80,40 @@ def print_retrieval(choice: DatasetChoice, encoder: Encoder | None, run: Path | 
         )
         for line in retrieval_tables.summary(report):
             terminal.note(line)
+
+
+def print_moments(choice: DatasetChoice, encoder: Encoder, as_json: bool) -> None:
+    """Search for the captions of parts of motions, beside the paper's windows, and print Markdown tables."""
+    from search.evaluate.annotated_takes import dataset_moments
+    from search.evaluate.moment_retrieval import evaluate_moments
+    from search.evaluate.moment_tables import moment_tables
+
+    dataset = choice.open(kind_of(encoder))
+    takes = _at_least_one(
+        dataset_moments(dataset, choice.split),
+        f"{dataset.folder}: no caption of the split "
+        f"{choice.split!r} is about a part of its motion; moments are searched in data sets such as BABEL",
+    )
+    figures = evaluate_moments(takes, encoder, plain_windows=True, progress=every_tenth)
+    name = f"{encoder.name} on {dataset.name}, split {choice.split}"
+    if as_json:
+        terminal.document({name: figures})
+    else:
+        print(f"### {name}", *moment_tables(figures), sep="\n\n")
+
+
+def every_tenth(takes: int) -> None:
+    """Say of every tenth take that it is done."""
+    if takes % 10 == 0:
+        terminal.note(f"{takes} takes done")
+
+
+def _at_least_one(items: Iterator[T], none: str) -> Iterator[T]:
+    """The items, at least one; raises QueryError with `none` where there is none."""
+    first = next(items, None)
+    if first is None:
+        raise QueryError(none)
+    return chain([first], items)
 
 
 def kind_of(encoder: Encoder) -> FeatureKind:

@@ -15,12 +15,15 @@ from encoders.corpus.composition.seeds import TEST
 from encoders.errors import MotionSeekError, QueryError
 from encoders.motion import Motion
 from indexer.datasets.archive_tables import load_row, read_manifest
+from indexer.datasets.captioned_dataset import CaptionedDataset
 from indexer.datasets.labelled_clips import LabelledClips
 
 #: Seconds of a synthetic or joined take.
 _SHORTEST, _LONGEST = 30.0, 120.0
 #: An annotated span is a moment if it covers less than this share of its take.
 _MOMENT_SHARE = 0.8
+#: Labels of BABEL that say nothing of what is done.
+_NO_ACTIONS = frozenset({"transition", "unknown"})
 _CAMEL_CASE = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 
@@ -65,6 +68,26 @@ def captioned_moments(takes: Sequence[CaptionedTake]) -> Iterator[AnnotatedTake]
         ]
         if events:
             yield annotated_take(take.motion, events)
+
+
+def dataset_moments(dataset: CaptionedDataset, split: str) -> Iterator[AnnotatedTake]:
+    """Motions of a split of a captioned data set, such as BABEL, with the captions of parts of them.
+
+    Captions of all durations count; those that name no action ("transition") do not.
+
+    Raises
+    ------
+    DatasetError
+        If the split or a motion of it cannot be used; the subclasses name the cause.
+    """
+    entries = dataset.split(split, all_durations=True)
+    dataset.motions.check_rate(entries)
+    for entry in entries:
+        motion = dataset.motions.motion(entry)
+        spans = [(c.text, (c.start, min(c.end, motion.duration))) for c in entry.captions if c.text not in _NO_ACTIONS]
+        moments = [(text, span) for text, span in spans if 0 < span[1] - span[0] < _MOMENT_SHARE * motion.duration]
+        if moments:
+            yield annotated_take(motion, [Event(text, span, frozenset({text})) for text, span in moments])
 
 
 def timed_segments(folder: Path, segments: Path) -> Iterator[AnnotatedTake]:

@@ -26,6 +26,7 @@ from search.moments.queried_motion import QueriedMotion
 from search.query.encoding import encode_queries
 from search.query.question import EncodedQuestion
 from search.source import MotionSource
+from search.spans import Moment
 
 _ANSWERS = 10
 _SEQUENCES = 2  # for each take
@@ -36,6 +37,7 @@ def evaluate_moments(
     encoder: Encoder,
     *,
     sequences: bool = False,
+    plain_windows: bool = False,
     progress: Callable[[int], None] | None = None,
 ) -> dict[str, dict[str, float]]:
     """Query each take, and then all takes at once, with every annotated sentence.
@@ -44,6 +46,9 @@ def evaluate_moments(
     ----------
     sequences : bool
         Whether to query for three events that follow one another too, twice a take.
+    plain_windows : bool
+        Whether the paper's windows are compared with the sentences as they are, as the paper does, instead of with the
+        mean of their paraphrases, as search does.
     progress : callable, optional
         Called with the number of takes done.
 
@@ -59,8 +64,10 @@ def evaluate_moments(
     gallery, in_order, rng = TakeGallery(encoder), list[float](), np.random.default_rng(0)
     for number, take in enumerate(takes, start=1):
         source = MotionSource.of_motion(take.motion)
-        queries = encode_queries(encoder, [annotation.sentence for annotation in take.annotations])
-        _search_take(methods, encoder, source, take, queries)
+        sentences = [annotation.sentence for annotation in take.annotations]
+        queries = encode_queries(encoder, sentences)
+        baseline = best_of(encoder, take.motion, encoder.encode_texts(sentences) if plain_windows else queries)
+        _search_take(methods, encoder, source, take, queries, baseline)
         if sequences:
             in_order += [search_sequence(encoder, source, take, s) for s in draw_sequences(take, rng, _SEQUENCES)]
         gallery.add(take, source, queries)
@@ -78,10 +85,10 @@ def _search_take(
     source: MotionSource,
     take: AnnotatedTake,
     queries: NDArray[np.float32],
+    baseline: list[dict[int, Moment]],
 ) -> None:
-    """Add the answers of every method to all sentences of one take."""
+    """Add the answers of every method to all sentences of one take; `baseline` are those of the paper's windows."""
     windows = _grid_spans(len(source.features(encoder)), encoder.fps)
-    baseline = best_of(encoder, take.motion, queries)
     for annotation, query, slid in zip(take.annotations, queries, baseline, strict=True):
         found = islice(find(QueriedMotion(encoder, source, EncodedQuestion(query[None]))), _ANSWERS)
         moments = [(answer.moment.start, answer.moment.end) for answer in found]

@@ -77,11 +77,13 @@ def evaluate(
       captions       rank of the best file for each description in FOLDER's manifest.tsv and each caption
       corpus         retrieval among synthetic clips held out of training
       out-of-domain  how often sentences that no motion fits are called strong
-      moments        moment retrieval in long takes, beside the TMR paper's sliding windows, as Markdown
+      moments        moment retrieval in long takes, or in the motions of a captioned data set, beside the TMR
+                     paper's sliding windows, as Markdown
 
     \b
     Examples:
       motionseek evaluate datasets/ --split test --format latex
+      motionseek evaluate datasets/annotations/babel --protocol moments --motions AMASS/
       motionseek evaluate my_mocap/ --labels labels.tsv --queries queries.tsv
       motionseek evaluate data/mocap --protocol captions --captions captions.jsonl
       motionseek evaluate --protocol corpus --count 1000
@@ -89,17 +91,21 @@ def evaluate(
     """
     from encoders.bundle.known_models import load_model
     from indexer.datasets.captioned_dataset import is_dataset
-    from search.cli.dataset_evaluation import DatasetChoice, print_retrieval
+    from search.cli.dataset_evaluation import DatasetChoice, print_moments, print_retrieval
 
     is_set = folder is not None and is_dataset(folder)
     protocol = protocol or ("retrieval" if is_set or run else "labels")
     if run is not None and (protocol != "retrieval" or model is not None):
         raise click.UsageError("--run is for --protocol retrieval, in place of --model")
     bundle = load_model(model)
-    if protocol == "retrieval":
-        place_of_set = _required(folder, protocol)
-        choice = DatasetChoice(place_of_set, split or "test", motions, fps, sentence_model, language_model, stats)
-        print_retrieval(choice, bundle, run, "json" if as_json else format)
+    if protocol == "retrieval" or (protocol == "moments" and is_set):
+        default = "val" if protocol == "moments" else "test"
+        place = _required(folder, protocol)
+        choice = DatasetChoice(place, split or default, motions, fps, sentence_model, language_model, stats)
+        if protocol == "moments":
+            print_moments(choice, bundle, as_json)
+        else:
+            print_retrieval(choice, bundle, run, "json" if as_json else format)
     elif protocol == "labels":
         _labels(_required(folder, protocol), labels, queries, bundle, as_json)
     elif protocol == "captions":
@@ -181,6 +187,7 @@ def _moments(
     from indexer.datasets.captioned_takes import captioned_takes
     from indexer.datasets.labelled_clips import labelled_clips
     from search.cli import terminal
+    from search.cli.dataset_evaluation import every_tenth
     from search.evaluate import annotated_takes
     from search.evaluate.moment_retrieval import evaluate_moments
     from search.evaluate.moment_tables import moment_tables
@@ -197,18 +204,11 @@ def _moments(
         sets["timed segments"] = annotated_takes.timed_segments(folder, segments)
     figures: dict[str, dict[str, dict[str, float]]] = {}
     for name, annotated in sets.items():
-        figures[name] = evaluate_moments(annotated, encoder, sequences=name == _SYNTHETIC, progress=_every_tenth)
+        figures[name] = evaluate_moments(annotated, encoder, sequences=name == _SYNTHETIC, progress=every_tenth)
         if not as_json:
             print(f"### {name}", *moment_tables(figures[name]), sep="\n\n", end="\n\n", flush=True)
     if as_json:
         terminal.document(figures)
-
-
-def _every_tenth(takes: int) -> None:
-    from search.cli import terminal
-
-    if takes % 10 == 0:
-        terminal.note(f"{takes} takes done")
 
 
 def _out_of_domain(count: int, encoder: Encoder) -> dict[str, float]:

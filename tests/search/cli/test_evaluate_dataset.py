@@ -79,6 +79,22 @@ def test_joints_at_another_frame_rate_are_told_and_read_once_it_is_given(run: Ru
     assert run("evaluate", joints, "--fps", 30).code == 0
 
 
+def test_captions_of_parts_of_motions_are_moments(run: Run, joints: Path) -> None:
+    ran = run("evaluate", joints, "--protocol", "moments", "--split", "test")
+    assert (ran.code, ran.out, ran.err.count("\n")) == (2, "", 1)
+    assert "no caption of the split 'test' is about a part of its motion" in ran.err
+    place = joints / "annotations" / "toy" / "annotations.json"
+    annotations = json.loads(place.read_text())
+    annotations[KEYS[0]]["annotations"].append({"text": "waves", "start": 1.0, "end": 2.0})
+    place.write_text(json.dumps(annotations))
+    document = run("evaluate", joints, "--protocol", "moments", "--split", "test", "--json").document
+    ((name, figures),) = document.items()
+    assert name.endswith("on toy, split test")
+    assert figures["best of the three"]["questions"] == 1.0
+    printed = run("evaluate", joints, "--protocol", "moments", "--split", "test").out
+    assert printed.startswith(f"### {name}\n\n| first answer, by IoU |")
+
+
 def test_a_folder_without_a_data_set_and_a_model_of_sentences_that_is_not_there(
     run: Run, joints: Path, tmp_path: Path
 ) -> None:

@@ -10,7 +10,9 @@ import pytest
 
 from encoders.corpus.composition.captioned_motion import CaptionedSpan, CaptionedTake
 from encoders.errors import QueryError
+from encoders.features.registry import FEATURE_KINDS
 from encoders.motion import Motion
+from indexer.datasets.captioned_dataset import CaptionedDataset
 from search.evaluate import annotated_takes
 from tests.search.conftest import made_motion
 
@@ -66,3 +68,24 @@ def test_segments_that_cannot_be_read_are_refused(archive: Path) -> None:
     (archive / "segments.json").write_text("[", encoding="utf-8")
     with pytest.raises(QueryError, match=r"segments\.json"):
         list(annotated_takes.timed_segments(archive, archive / "segments.json"))
+
+
+def test_captions_of_parts_of_a_data_sets_motions_are_moments(tmp_path: Path) -> None:
+    label = {"raw_label": "jump", "start_t": 2.0, "end_t": 5.0}
+    labels = [label, {**label, "start_t": 8.0, "end_t": 12.0}, {**label, "raw_label": "transition"}]
+    babel = {
+        key: {
+            "dur": 10.0,
+            "feat_p": f"CMU/CMU/{key}_poses.npz",
+            "seq_ann": {"labels": [{"raw_label": "dance"}]},
+            "frame_ann": {"labels": rows},
+        }
+        for key, rows in (("1", labels), ("2", []))
+    }
+    (tmp_path / "val.json").write_text(json.dumps(babel), encoding="utf-8")
+    (tmp_path / "motions" / "CMU").mkdir(parents=True)
+    for key in babel:
+        np.save(tmp_path / "motions" / "CMU" / f"{key}_poses.npy", made_motion(10.0, int(key)).joints)
+    dataset = CaptionedDataset.open(tmp_path, FEATURE_KINDS["body"], fps=20)
+    (take,) = annotated_takes.dataset_moments(dataset, "val")
+    assert [(m.sentence, m.spans) for m in take.annotations] == [("jump", ((2.0, 5.0), (8.0, 10.0)))]

@@ -67,3 +67,24 @@ def test_no_window_is_encoded_twice_for_many_sentences() -> None:
     evaluate_moments([taken(0, 0, 1, 1, 0)], one)
     evaluate_moments([taken(0, 1, 2, 3, 4)], several)
     assert several.encoded < 1.2 * one.encoded
+
+
+class Questioned(KnownAnswers):
+    """Remembers what it is asked to encode."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.asked: list[tuple[str, ...]] = []
+
+    def encode_texts(self, sentences):
+        self.asked.append(tuple(sentences))
+        return super().encode_texts(["zero"] * len(sentences))
+
+
+def test_the_papers_windows_are_asked_with_the_sentences_as_they_are() -> None:
+    take = annotated_take(motion(0, 1, seconds=4.0), [Event("walks", (0.0, 4.0), frozenset({"walks"}))])
+    as_search_does, as_the_paper_does = Questioned(), Questioned()
+    evaluate_moments([take], as_search_does)
+    evaluate_moments([take], as_the_paper_does, plain_windows=True)
+    assert ("walks",) not in as_search_does.asked, "it asks with paraphrases"
+    assert ("walks",) in as_the_paper_does.asked
