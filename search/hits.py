@@ -68,6 +68,9 @@ class Hit:
     stale : str
         What became of the file since it was indexed: that it is gone or has changed, so that the span may no longer
         be its; else empty.
+    matched : tuple of str
+        Where the clip has the words of the sentence: "name", "folder", "caption", "tag", "collection"; empty where it
+        was found by its meaning alone.
     marks : Marks
         The clip's star, tags and collections.
     read : callable or None
@@ -90,6 +93,7 @@ class Hit:
     first_frame: int | None = None
     last_frame: int | None = None
     stale: str = ""
+    matched: tuple[str, ...] = ()
     marks: Marks = NO_MARKS
     read: Callable[[], Motion] | None = field(default=None, repr=False, compare=False)
 
@@ -109,7 +113,7 @@ class Hit:
         fields |= {"clip": self.clip_id if indexed else None, "root": self.root if indexed else None}
         rate = None if self.source_fps is None else round(self.source_fps, 4)
         fields |= {"source_fps": rate, "first_frame": self.first_frame, "last_frame": self.last_frame}
-        return fields | {"stale": self.stale or None} | self.marks.document()
+        return fields | {"stale": self.stale or None, "matched": list(self.matched)} | self.marks.document()
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"read": None}
@@ -131,8 +135,8 @@ class Hits(list[Hit]):
 
     @property
     def nothing_matches(self) -> bool:
-        """Whether there are hits and all are weak: then nothing in the library matches the query."""
-        return bool(self) and all(hit.strength == WEAK for hit in self)
+        """Whether there are hits, and all are weak and found by their meaning: then nothing matches the query."""
+        return bool(self) and all(hit.strength == WEAK and not hit.matched for hit in self)
 
     def to_dicts(self) -> list[dict[str, Any]]:
         """Every hit as `Hit.document` gives it."""

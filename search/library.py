@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -47,6 +47,7 @@ from search.ranking.batched import batched
 from search.ranking.clip_scores import ClipScore, best_clips, rank_clips
 from search.ranking.description import describe_motion
 from search.ranking.late_interaction import rerank_by_tokens
+from search.ranking.text_matches import TextMatch, fused, text_matches
 from search.references import Ref, is_vector, source_of, span_of
 from search.source import MotionSource
 from search.stacks.stacking import Copy, Progress, among, stacks
@@ -145,6 +146,8 @@ class Library(MarkedLibrary):
         **filters: Unpack[FilterArguments],
     ) -> Hits:
         """The clips that fit a sentence best, each with the moment that does, the first of its `moments`.
+
+        Clips whose names, folders, captions, tags or collections have its words are found as well; see `Hit.matched`.
 
         Parameters
         ----------
@@ -478,19 +481,29 @@ class Library(MarkedLibrary):
         return EncodedQuestion(unit_vector(vector, self.bundle.latent_size)[None], kind=kind)
 
     def _clip_hits(self, question: EncodedQuestion, k: int, least: str | None, allowed: Ids | None) -> Hits:
+        matches = text_matches(self, self.bundle, " ".join(question.sentences), allowed=allowed)
+
         def answers() -> Iterator[Answer]:
-            for batch in batched(self._ranked(question, allowed), _REFINED):
+            for batch in batched(self._ranked(question, allowed, matches), _REFINED):
                 sources = self._sources([score.clip_id for score in batch])
                 for score in batch:
-                    yield clip_answer(QueriedMotion(self.bundle, sources[score.clip_id], question), score.score)
+                    motion = QueriedMotion(self.bundle, sources[score.clip_id], question)
+                    matched = matches[score.clip_id].places if score.clip_id in matches else ()
+                    yield clip_answer(motion, score.score)._replace(matched=matched)
 
         return as_hits(self.bundle, question, answers(), k, least)
 
-    def _ranked(self, question: EncodedQuestion, allowed: Ids | None) -> Iterator[ClipScore]:
-        ranked, encoder = rank_clips(self, question.vectors[0], allowed=allowed), self.bundle
+    def _ranked(
+        self, question: EncodedQuestion, allowed: Ids | None, matches: Mapping[int, TextMatch]
+    ) -> Iterator[ClipScore]:
+        query, encoder = question.vectors[0], self.bundle
+        ranked = rank_clips(self, query, allowed=allowed)
         if isinstance(encoder, TokenEncoder) and len(question.sentences) == 1:
-            return rerank_by_tokens(encoder, self, question.sentences[0], ranked)
-        return ranked
+            ranked = rerank_by_tokens(encoder, self, question.sentences[0], ranked)
+        if not matches:
+            return ranked
+        by_text = best_clips(self, query, len(matches), allowed=np.array(sorted(matches), np.int64))
+        return fused(ranked, by_text, matches)
 
     def _moment_hits(self, question: EncodedQuestion, k: int, least: str | None, allowed: Ids | None) -> Hits:
         if question.how == "alone":

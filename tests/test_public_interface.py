@@ -371,7 +371,7 @@ def test_hits_can_be_compared_pickled_and_written(library: motionseek.Library) -
     assert again.to_dicts() == found.to_dicts() == [hit.document() for hit in found]
     assert list(found.to_dicts()[0]) == [
         "rank", "path", "score", "strength", "start", "end", "duration", "caption", "steps", "clip", "root",
-        "source_fps", "first_frame", "last_frame", "stale", "starred", "tags", "collections",
+        "source_fps", "first_frame", "last_frame", "stale", "matched", "starred", "tags", "collections",
     ]  # fmt: skip
 
 

@@ -14,7 +14,7 @@ COVERED = {
     "files": ("id", "root_id", "path", "size", "mtime_ns", "hash", "recipe", "state", "reason"),
     "clips": (
         "id", "file_id", "clip_path", "part", "name", "format", "rig", "fps", "frames", "duration", "added", "take",
-        "up", "up_reason", "start", "source_fps", "source_frames", "warnings",
+        "up", "up_reason", "start", "source_fps", "source_frames", "warnings", "words",
     ),
     "poses": ("clip_id", "chunk", "data"),
     "models": ("id", "fingerprint", "name", "size"),

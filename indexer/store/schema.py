@@ -13,6 +13,7 @@ from sqlite_utils import Database
 
 from encoders.errors import LibraryDamaged, LibraryError, LibraryLocked, LibraryNotFound
 from indexer.store import digests
+from indexer.store.spelling import path_words
 
 Migration = Callable[[Database], None]
 MIGRATIONS: list[Migration] = []
@@ -194,9 +195,14 @@ def m005_digests(db: Database) -> None:
     """A digest of each row. To write it must not touch the full-text tables, so they follow their own column alone."""
     digests.add_columns(db, _WITH_DIGESTS)
     for table, column in (("clips", "name"), ("texts", "text")):
-        (trigger,) = (trigger for trigger in db.table(table).triggers if trigger.name == f"{table}_au")
-        db.execute(f"DROP TRIGGER {trigger.name}")
-        db.execute(trigger.sql.replace("AFTER UPDATE ON", f"AFTER UPDATE OF {column} ON"))
+        _follow_alone(db, table, column)
+
+
+def _follow_alone(db: Database, table: str, column: str) -> None:
+    """Let a full-text table follow changes of its own column alone."""
+    (trigger,) = (trigger for trigger in db.table(table).triggers if trigger.name == f"{table}_au")
+    db.execute(f"DROP TRIGGER {trigger.name}")
+    db.execute(trigger.sql.replace("AFTER UPDATE ON", f"AFTER UPDATE OF {column} ON"))
 
 
 @migration
@@ -231,8 +237,26 @@ def m007_marks(db: Database) -> None:
         db.table("marks").create_index(columns)
 
 
+@migration
+def m008_words_of_paths(db: Database) -> None:
+    """The words of paths, and with captions in their stems, to be found by."""
+    db.execute("ALTER TABLE clips ADD COLUMN words TEXT NOT NULL DEFAULT ''")
+    db.conn.create_function("path_words", 1, path_words, deterministic=True)
+    digests.register(db.conn)
+    db.execute("UPDATE clips SET words = path_words(clip_path)")
+    row = ", ".join(f'"{column}"' for column in digests.COVERED["clips"] if column != "words")
+    db.execute(f"UPDATE clips SET digest = digest({row}, words) WHERE digest = digest({row})")
+    for table, column in (("clips", "words"), ("texts", "text")):
+        db.table(table).disable_fts()
+        stems = "porter unicode61 remove_diacritics 2"
+        db.table(table).enable_fts([column], create_triggers=True, tokenize=stems)
+        _follow_alone(db, table, column)
+
+
 def _as_of_today(connection: sqlite3.Connection, version: int) -> None:
     """Show the tables of an older library, which is only read, with what they lack."""
+    if version == 7:
+        return
     empty = "SELECT 0 AS clip_id, '' AS root, '' AS path, '' AS kind, '' AS name, '' AS added, 0 AS id WHERE 0"
     connection.execute(f"CREATE TEMP VIEW marks AS {empty}")
     if version < 4:
@@ -272,7 +296,7 @@ def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
             f"{path}: not finished: it was begun, and nothing was written yet; run 'motionseek index' again"
         )
     digests.register(connection)
-    if version < 7 and not writable:
+    if version < 8 and not writable:
         _as_of_today(connection, version)
     return connection
 

@@ -24,6 +24,7 @@ from indexer.store.lock import write_lock
 from indexer.store.marks import marks_file, marks_table
 from indexer.store.models import ClipVectors
 from indexer.store.read_options import ReadOptions
+from indexer.store.spelling import path_words
 
 #: A file that is not gone: there is an index of those alone, without which each file would cost a look at all others.
 _AT_PATH = f"files.root_id = ? AND files.path = ? AND files.state != '{GONE}' AND files.state = ?"
@@ -262,8 +263,8 @@ class Writer:
         for clip_id, part in clips:
             path = with_part(file.path, part)
             db.execute(
-                "UPDATE clips SET name = ?, clip_path = ?, format = ?, generation = ? WHERE id = ?",
-                (with_part(file.name, part), path, file.format, self._generation, clip_id),
+                "UPDATE clips SET name = ?, clip_path = ?, words = ?, format = ?, generation = ? WHERE id = ?",
+                (with_part(file.name, part), path, path_words(path), file.format, self._generation, clip_id),
             )
             captions.attach(db, clip_id, root_id, path, is_new=False)
             marks_table.attach(db, clip_id, root_id, path)
@@ -303,6 +304,7 @@ class Writer:
         values = {
             "name": with_part(file.name, read.part),
             "clip_path": with_part(file.path, read.part),
+            "words": path_words(with_part(file.path, read.part)),
             "format": file.format,
             "rig": read.rig,
             "fps": read.motion.fps,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from search.hits import Hits
     from search.query.question import Question
 
-_HIT_COLUMNS = ("", "score", "strength", "start", "end", "clip", "caption")
+_HIT_COLUMNS = ("", "score", "strength", "start", "end", "clip", "caption", "matched")
 _COLOURS = {"strong": "green", "plausible": "yellow", "weak": "dim"}
 #: Control characters, which would move the cursor or break a line.
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
@@ -111,7 +111,16 @@ def hits(found: Hits, query: str, library: StoredLibrary | None = None, *, as_js
         return
     clips = [h.path if library is None else library.reference(h.root, h.path) for h in found]
     rows = [
-        (str(h.rank), f"{h.score:.3f}", h.strength, f"{h.start:.1f}", f"{h.end:.1f}", clip, h.caption)
+        (
+            str(h.rank),
+            f"{h.score:.3f}",
+            h.strength,
+            f"{h.start:.1f}",
+            f"{h.end:.1f}",
+            clip,
+            h.caption,
+            ", ".join(h.matched),
+        )
         for h, clip in zip(found, clips, strict=True)
     ]
     table(_HIT_COLUMNS, rows, right=("", "score", "start", "end"), below=("clip", "caption"))

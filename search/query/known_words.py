@@ -12,7 +12,7 @@ Words = NDArray[np.str_]
 
 _WORD = re.compile(r"[^\W\d_]{2,}")
 #: Stop words.
-_STOP_WORDS = frozenset(
+STOP_WORDS = frozenset(
     "an and are as at be been by for from he her his in is it its of on or she that the their them they this to was "
     "were with".split()
 )
@@ -34,7 +34,7 @@ def out_of_vocabulary_share(sentence: str, known: Words) -> float:
 
 def content_words(sentence: str) -> list[str]:
     """The words of a sentence in lower case, without stop words."""
-    return [word for word in _words(sentence) if word not in _STOP_WORDS]
+    return [word for word in _words(sentence) if word not in STOP_WORDS]
 
 
 def _words(sentence: str) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
@@ -44,12 +45,15 @@ class Answer(NamedTuple):
         The highest similarity to each query vector of the question.
     steps : tuple of Step
         Where the question has some.
+    matched : tuple of str
+        Where its clip has the words of the question; see `search.ranking.text_matches`.
     """
 
     source: MotionSource
     moment: Moment
     peaks: tuple[float, ...]
     steps: tuple[Step, ...] = ()
+    matched: tuple[str, ...] = ()
 
 
 def as_hits(
@@ -60,11 +64,12 @@ def as_hits(
     Parameters
     ----------
     least : str, optional
-        The least strength of a hit. If not given, weak answers are left out unless the first one is weak, too.
+        The least strength of a hit. If not given, weak answers are left out unless the first one is weak, too; but
+        those are listed that have the words of the question.
     """
     listed = islice(_listed(encoder, question, answers, least), k)
     return Hits(
-        answer.source.hit(rank, answer.moment, strength, answer.steps)
+        replace(answer.source.hit(rank, answer.moment, strength, answer.steps), matched=answer.matched)
         for rank, (answer, strength) in enumerate(listed, start=1)
     )
 
@@ -73,9 +78,13 @@ def _listed(
     encoder: Encoder, question: EncodedQuestion, answers: Iterable[Answer], least: str | None
 ) -> Iterator[tuple[Answer, str]]:
     """The answers that are strong enough, with their strength; which ones does not depend on how many are consumed."""
-    judge, rejected = Judge(encoder, question), 0
+    judge, rejected, is_given = Judge(encoder, question), 0, least is not None
     for answer in answers:
         strength = judge(answer.peaks)
+        if answer.matched and not is_given:
+            least = PLAUSIBLE
+            yield answer, strength
+            continue
         least = least or (WEAK if strength == WEAK else PLAUSIBLE)
         if strength and DEGREES.index(strength) < DEGREES.index(least):
             rejected += 1

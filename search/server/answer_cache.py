@@ -7,7 +7,7 @@ of them cannot change it, and the scores of a batch of added rows for all cached
 from __future__ import annotations
 
 import threading
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,16 +24,19 @@ _BLOCK = 1024
 
 @dataclass(frozen=True)
 class StaleCriterion:
-    """What makes an answer stale: an added row that scores at least `threshold` for `query`.
+    """What makes an answer stale: an added row that scores at least `threshold` for `query`, or a clip with the words.
 
     Attributes
     ----------
     query : float32 array (D,)
     threshold : float
+    words : tuple of str
+        Those by which clips are found as well; none where the question has none.
     """
 
     query: Vectors
     threshold: float
+    words: tuple[str, ...] = ()
 
 
 class AnswerCache:
@@ -64,7 +67,7 @@ class AnswerCache:
             self._generation = generation
             self._answers.clear()
 
-    def grow(self, generation: int, added: Vectors) -> None:
+    def grow(self, generation: int, added: Vectors, has_words: Callable[[Sequence[str]], bool]) -> None:
         """Invalidate the answers that become stale by a growth in which no clip was removed or changed.
 
         To be called before anything is answered from `generation`; concurrent reads are safe.
@@ -73,6 +76,8 @@ class AnswerCache:
         ----------
         added : float32 array (N, D)
             The vectors of added clips and windows.
+        has_words : callable
+            Whether an added clip has all of some words.
         """
         with self._lock:
             self._generation = generation
@@ -82,7 +87,11 @@ class AnswerCache:
         queries = np.stack([criterion.query for _, criterion in cached])
         thresholds = np.array([criterion.threshold for _, criterion in cached])
         stale = _best_scores(queries, added) >= thresholds
-        self._answers.drop(key for (key, _), is_stale in zip(cached, stale.tolist(), strict=True) if is_stale)
+        self._answers.drop(
+            key
+            for (key, criterion), is_stale in zip(cached, stale.tolist(), strict=True)
+            if is_stale or has_words(criterion.words)
+        )
 
 
 def _best_scores(queries: Vectors, rows: Vectors) -> Vectors:

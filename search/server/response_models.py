@@ -32,6 +32,7 @@ class HitModel(BaseModel):
     first_frame: int | None
     last_frame: int | None
     stale: str | None
+    matched: list[Literal["name", "folder", "caption", "tag", "collection"]]
     starred: bool
     tags: list[str]
     collections: list[str]

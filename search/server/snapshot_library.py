@@ -30,6 +30,8 @@ from search.library import Library
 from search.query.encoding import encode_queries
 from search.query.filters import FilterArguments
 from search.query.question import EncodedQuestion, Question
+from search.ranking.text_matches import words_of
+from search.server.added_text import AddedText
 from search.server.answer_cache import AnswerCache, StaleCriterion
 from search.server.lru_cache import LruCache
 
@@ -187,7 +189,8 @@ class SnapshotLibrary(Library):
             self._replace(before, new)
         else:
             added = [self.indexes.since(kind, self.connection, before.generation).vectors for kind in (CLIPS, WINDOWS)]
-            self.answer_cache.grow(new.generation, np.concatenate(added).astype(np.float32))
+            has_words = AddedText(self.connection, before.newest).has
+            self.answer_cache.grow(new.generation, np.concatenate(added).astype(np.float32), has_words)
             self._snapshot = new
         self._error = None
 
@@ -201,9 +204,10 @@ class SnapshotLibrary(Library):
         self.answer_cache.clear(new.generation)
 
     def stale_criterion(self, request: SearchRequest, hits: Hits) -> StaleCriterion:
-        """What makes the answer to a request stale: an added row that scores as much as its last hit."""
+        """What makes an answer stale: an added row that scores as much as its last hit, or a clip of its words."""
         threshold = hits[-1].score - _ROUNDING if len(hits) == request.k else -np.inf
-        return StaleCriterion(request.question.vectors[0], threshold)
+        words = words_of(" ".join(request.question.sentences))
+        return StaleCriterion(request.question.vectors[0], threshold, tuple(words))
 
     def _take_snapshot(self) -> Snapshot:
         clips, windows = (self.indexes.current(kind, self.connection, serving=True) for kind in (CLIPS, WINDOWS))

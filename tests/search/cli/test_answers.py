@@ -11,7 +11,7 @@ import pytest
 from tests.search.conftest import Run
 
 HIT = {"rank", "path", "score", "strength", "start", "end", "duration", "caption", "clip", "root"}
-HIT |= {"source_fps", "first_frame", "last_frame", "stale", "starred", "tags", "collections"}
+HIT |= {"source_fps", "first_frame", "last_frame", "stale", "matched", "starred", "tags", "collections"}
 
 
 @pytest.mark.parametrize("command", ["search", "moments"])
@@ -201,7 +201,7 @@ def test_the_caption_of_a_hit_is_that_of_its_span(indexed: Path, run: Run) -> No
 def test_piped_answers_are_lines_with_tabs(indexed: Path, run: Run) -> None:
     lines = run("search", "a person walks", "--library", indexed).out.splitlines()
     assert len(lines) == 5
-    assert all(len(line.split("\t")) == 7 for line in lines)
+    assert all(len(line.split("\t")) == 8 for line in lines)
 
 
 def test_the_library_is_the_nearest_one_upward(

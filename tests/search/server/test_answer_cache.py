@@ -36,7 +36,7 @@ def two_answers() -> AnswerCache:
 )
 def test_an_added_row_that_scores_as_much_as_the_last_hit_invalidates(added: list[list[float]], valid: str) -> None:
     answers = two_answers()
-    answers.grow(2, np.array(added, np.float32).reshape(-1, 2))
+    answers.grow(2, np.array(added, np.float32).reshape(-1, 2), lambda words: False)
     assert [name for name in ("east", "north") if answers.get(name)] == [
         name for name in ("east", "north") if name[0] in valid
     ]
@@ -44,10 +44,35 @@ def test_an_added_row_that_scores_as_much_as_the_last_hit_invalidates(added: lis
 
 def test_an_answer_of_an_older_generation_is_not_cached() -> None:
     answers = two_answers()
-    answers.grow(2, NONE)
+    answers.grow(2, NONE, lambda words: False)
     answers.put("late", JsonAnswer("l"), StaleCriterion(EAST, 0.0), 1)
     assert answers.get("late") is None
     assert len(answers) == 2
+
+
+def test_a_clip_that_was_added_under_a_name_with_the_words_invalidates(
+    indexed: Path, bundle: Bundle, tmp_path: Path
+) -> None:
+    folder = Path(shutil.copytree(indexed, tmp_path / "takes"))
+    library = SnapshotLibrary.open(folder, bundle=bundle)
+    library.start = lambda: None  # type: ignore[method-assign]  # refreshed by hand
+    with TestClient(create_app(library), base_url="http://127.0.0.1:8420") as client:
+
+        def names(query: str) -> list[str]:
+            hits = client.get("/api/search", params={"q": query, "k": 1}).json()["hits"]
+            return [hit["path"] for hit in hits if hit["matched"]]
+
+        assert names("zorros") == names("limping captains") == []
+        np.save(folder / "Zorro_01.npy", made_motion(3.0, 44).joints)
+        np.save(folder / "other.npy", made_motion(3.0, 45).joints)
+        (folder / "other.txt").write_text("the captain limps\n")
+        indexing.index(folder, bundle=bundle, jobs=1)
+        library.refresh()
+        assert (names("zorros"), names("limping captains")) == (["Zorro_01.npy"], ["other.npy"])
+        library.mark("Zorro_01.npy", tags="masks", star=True)
+        library.refresh()
+        assert names("masks") == ["Zorro_01.npy"]
+        assert client.get("/api/search", params={"q": "zorros", "k": 1}).json()["hits"][0]["starred"]
 
 
 def test_the_least_recently_used_are_evicted() -> None:
