@@ -28,7 +28,7 @@ from search.query.question import Question
 from search.ranking.clip_scores import best_clips, rank_clips
 from search.ranking.text_matches import EVIDENCE, fused, text_matches
 
-_WEIGHTS = (0.0, 0.05, EVIDENCE, 0.2)
+_WEIGHTS = (0.0, EVIDENCE, 0.03, 0.1)
 #: Ranks that are looked at, and sentences of each split, at most.
 _DEPTH, _MOST = 30, 200
 

@@ -30,7 +30,7 @@ NAME, FOLDER, CAPTION = "name", "folder", "caption"
 
 #: What a match adds to a cosine: that of a clip that is called so, of one found by a question that is no description,
 #: and of evidence. More than 2 outweighs any difference of cosines. The last was chosen by `benchmarks.names`.
-_CALLED, _FOUND, EVIDENCE = 5.0, 2.5, 0.1
+_CALLED, _FOUND, EVIDENCE = 5.0, 2.5, 0.01
 #: Words that a question is compared by, at most: longer ones are in no name.
 _MOST_WORDS = 12
 #: Who moves, which is in no name.

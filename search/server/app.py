@@ -13,7 +13,7 @@ from search.server import exception_handlers
 from search.server.app_state import AppState
 from search.server.parameters import known_parameters
 from search.server.prometheus import MetricsMiddleware
-from search.server.routes import health, library, motions, search, uploads
+from search.server.routes import health, library, motions, search, shelf, uploads
 from search.server.security import SecurityMiddleware
 from search.server.snapshot_library import SnapshotLibrary
 from search.server.static_page import StaticPage
@@ -27,6 +27,7 @@ def create_app(
     names: Iterable[str] = (),
     token: str | None = None,
     limits: UploadLimits | None = None,
+    edit: bool = False,
 ) -> ASGIApp:
     """The application for one library; closes the library at shutdown.
 
@@ -40,8 +41,10 @@ def create_app(
         The secret that every request must carry.
     limits : UploadLimits, optional
         Resource limits of uploads.
+    edit : bool
+        Whether requests may star, tag and collect clips.
     """
-    state = AppState(served, limits)
+    state = AppState(served, limits, edit=edit)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -58,7 +61,7 @@ def create_app(
         lifespan=lifespan,
     )
     exception_handlers.install(app)
-    for module in (search, motions, uploads, library):
+    for module in (search, motions, uploads, library, shelf):
         app.include_router(module.routes(state), dependencies=[Depends(known_parameters)])
     app.include_router(health.routes(state))
     app.mount("/", StaticPage())

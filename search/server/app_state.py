@@ -35,7 +35,8 @@ _CACHED_RESPONSES = 4096
 class AppState:
     """The state of one server."""
 
-    def __init__(self, library: SnapshotLibrary, limits: UploadLimits | None = None) -> None:
+    def __init__(self, library: SnapshotLibrary, limits: UploadLimits | None = None, *, edit: bool = False) -> None:
+        self.edit = edit
         self.library = library
         self.uploads = UploadStore(limits)
         self.metrics = Metrics()
@@ -80,6 +81,18 @@ class AppState:
         if self._slow.statistics().tasks_waiting >= _SLOW_QUEUE:
             raise ServerBusy
         return await run_sync(self._on_snapshot, work, limiter=self._slow)
+
+    async def run_change(self, work: Callable[[], Value]) -> Value:
+        """The result of work that changes the library, which sees what it has changed; queued as slow work is.
+
+        Raises
+        ------
+        ServerBusy
+            If too many are queued.
+        """
+        if self._slow.statistics().tasks_waiting >= _SLOW_QUEUE:
+            raise ServerBusy
+        return await run_sync(work, limiter=self._slow)
 
     def _on_snapshot(self, work: Callable[[], Value]) -> Value:
         with self.library.reading():

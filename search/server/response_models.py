@@ -153,5 +153,46 @@ class MapResponse(BaseModel):
     label: list[int]
 
 
+class FacetValue(BaseModel):
+    count: int
+    value: str | None = None
+    start: float | None = Field(default=None, alias="from", description="Seconds, of a length")
+    to: float | None = None
+
+
+class FacetsResponse(BaseModel):
+    folder: list[FacetValue]
+    format: list[FacetValue]
+    rig: list[FacetValue]
+    length: list[FacetValue]
+    tag: list[FacetValue]
+    collection: list[FacetValue]
+    starred: list[FacetValue]
+
+
+class StacksResponse(BaseModel):
+    generation: int
+    stacks: list[list[list[int | bool]]] | None = Field(default=None, description="Clip, and whether it is mirrored")
+    progress: float | None = Field(default=None, description="0 to 1, while they are being found")
+
+
+class MarksResponse(BaseModel):
+    starred: int
+    tags: dict[str, int]
+    collections: dict[str, int]
+    edit: bool
+
+
+class ClipMarksModel(BaseModel):
+    clip: int
+    starred: bool
+    tags: list[str]
+    collections: list[str]
+
+
+class ChangedMarksResponse(BaseModel):
+    clips: list[ClipMarksModel]
+
+
 class HealthResponse(BaseModel):
     status: Literal["ok"]

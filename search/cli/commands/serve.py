@@ -24,18 +24,27 @@ from search.cli import options
     show_envvar=True,
     help="Secret that every request must carry, at least 16 characters.",
 )
+@click.option("--edit", is_flag=True, help="Let the page star, tag and collect clips.")
 @click.option("--open", "browser", is_flag=True, help="Open the page in a browser.")
 def serve(
-    folder: str | None, port: int | None, host: str, names: tuple[str, ...], token: str | None, browser: bool
+    folder: str | None,
+    port: int | None,
+    host: str,
+    names: tuple[str, ...],
+    token: str | None,
+    edit: bool,
+    browser: bool,
 ) -> None:
     """Serve the library of FOLDER as a web page and an HTTP API.
 
     Without FOLDER, serves the nearest library here or in a parent folder. The server is reachable from this computer
-    only, unless --host is given. Clips indexed meanwhile are picked up at once.
+    only, unless --host is given. Clips indexed meanwhile are picked up at once. With --edit, the page can star, tag and
+    collect clips; nothing else is ever written.
 
     \b
     Examples:
       motionseek serve my_mocap --open
+      motionseek serve my_mocap --edit
       motionseek serve --port 9000
       MOTIONSEEK_TOKEN=... motionseek serve --host 0.0.0.0
     """
@@ -73,7 +82,7 @@ def serve(
         if browser:
             webbrowser.open(url)
 
-    app = create_app(library, host=host, names=names, token=token)
+    app = create_app(library, host=host, names=names, token=token, edit=edit)
     with suppress(KeyboardInterrupt):
         run(app, listening, ready=ready)
     click.echo("stopped", err=True)

@@ -30,6 +30,11 @@ ROUTES = {
     ("/api/uploads", "post"),
     ("/api/stats", "get"),
     ("/api/map", "get"),
+    ("/api/facets", "get"),
+    ("/api/stacks", "get"),
+    ("/api/marks", "get"),
+    ("/api/marks", "post"),
+    ("/api/archive", "get"),
     ("/healthz", "get"),
     ("/metrics", "get"),
 }
