@@ -1,10 +1,9 @@
 """Matches by text: clips whose names, folders, captions, tags or collections have the words of a question.
 
-They go into the ranking by meaning: what text adds to a clip's score is as much as it says. A clip that is called
-exactly as the question comes first. Where the question is no description of a movement ("take_016", "hero"), all clips
-that have its words come before all others. Else ("walk") they are evidence, which lifts a clip among others of near
-scores, unless hundreds of clips have them, which are told apart by meaning alone. All words must be there, in any form:
-the words of a sentence hardly ever are.
+They go into the ranking by meaning. A clip that is called exactly as the question comes first. Where the question is no
+description of a movement ("take_016", "hero"), or is the name of a folder, a tag or a collection, all clips that have
+it come before all others. Else ("walk") they stay where their meaning puts them: `benchmarks/names.py` shows that words
+as evidence cost as many hits as they win. All words must be there, in any form.
 """
 
 from __future__ import annotations
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 
 from encoders.protocol import Encoder
 from indexer.store import text_search
+from indexer.store.marks import marks_table
 from indexer.store.marks.marks_table import COLLECTION, TAG
 from indexer.store.spelling import folded, path_words
 from indexer.store.stored_library import StoredLibrary
@@ -28,9 +28,9 @@ from search.ranking.strength import is_out_of_vocabulary
 
 NAME, FOLDER, CAPTION = "name", "folder", "caption"
 
-#: What a match adds to a cosine: that of a clip that is called so, of one found by a question that is no description,
-#: and of evidence. More than 2 outweighs any difference of cosines. The last was chosen by `benchmarks.names`.
-_CALLED, _FOUND, EVIDENCE = 5.0, 2.5, 0.01
+#: What a match adds to a cosine: that of a clip that is called so, and of one that was asked for by a part of a name.
+#: More than 2 outweighs any difference of cosines.
+_CALLED, _FOUND = 5.0, 2.5
 #: Words that a question is compared by, at most: longer ones are in no name.
 _MOST_WORDS = 12
 #: Who moves, which is in no name.
@@ -59,7 +59,7 @@ def text_matches(
     sentence: str,
     *,
     allowed: NDArray[np.int64] | None = None,
-    evidence: float = EVIDENCE,
+    evidence: float = 0.0,
 ) -> dict[int, TextMatch]:
     """The clips that have the words of a sentence, by id.
 
@@ -68,27 +68,36 @@ def text_matches(
     evidence : float
         What a match adds to a cosine where the sentence describes a movement.
     """
-    db, words, text = library.connection, words_of(sentence), sentence.strip()
-    places: dict[int, list[str]] = {}
-    bonus = _FOUND if _is_name(encoder, sentence) else evidence
+    db, words, text = library.connection, words_of(sentence), folded(sentence.strip())
+    is_name = _is_name(encoder, sentence)
 
     def telling(ids: list[int]) -> list[int]:
-        return ids if bonus == _FOUND or len(ids) < text_search.MOST else []
+        return ids if is_name or len(ids) < text_search.MOST else []
 
-    called = set(text_search.called(db, text))
-    by_path = library.clips_by_id([*called, *telling(text_search.in_paths(db, words))])
-    for clip_id, clip in by_path.items():
-        is_called = clip_id in called or folded(text) in (folded(clip.name), folded(PurePosixPath(clip.path).name))
-        called |= {clip_id} if is_called else set()
-        places[clip_id] = [NAME if is_called or _in_name(words, clip.name) else FOLDER]
-    found = [(CAPTION, text_search.in_captions(db, words))]
-    found += [(kind, text_search.in_marks(db, words, kind)) for kind in (TAG, COLLECTION)]
-    for place, ids in found:
-        for clip_id in telling(ids):
-            places.setdefault(clip_id, []).append(place)
-    if allowed is not None:
-        places = {clip_id: found for clip_id, found in places.items() if clip_id in set(allowed.tolist())}
-    return {i: TextMatch(tuple(at), _CALLED if i in called else bonus) for i, at in places.items()}
+    places: dict[int, list[str]] = {}
+    bonus: dict[int, float] = {}
+
+    def found(clip_id: int, place: str, *, is_asked: bool = False) -> None:
+        places.setdefault(clip_id, []).append(place)
+        worth = _FOUND if is_name or is_asked else evidence
+        bonus[clip_id] = max(bonus.get(clip_id, 0.0), worth)
+
+    called = set(text_search.called(db, sentence.strip()))
+    for clip_id, clip in library.clips_by_id([*called, *telling(text_search.in_paths(db, words))]).items():
+        path = PurePosixPath(folded(clip.path))
+        if clip_id in called or text in (folded(clip.name), path.name):
+            found(clip_id, NAME)
+            bonus[clip_id] = _CALLED
+        else:
+            found(clip_id, NAME if _in_name(words, clip.name) else FOLDER, is_asked=text in path.parts)
+    for clip_id in telling(text_search.in_captions(db, words)):
+        found(clip_id, CAPTION)
+    for kind in (TAG, COLLECTION):
+        names = {folded(name) for name in marks_table.named(db, kind)}
+        for clip_id in telling(text_search.in_marks(db, words, kind)):
+            found(clip_id, kind, is_asked=text in names)
+    passing = set(places) if allowed is None else set(places).intersection(allowed.tolist())
+    return {clip_id: TextMatch(tuple(places[clip_id]), bonus[clip_id]) for clip_id in places if clip_id in passing}
 
 
 def fused(

@@ -66,6 +66,7 @@ def test_a_clip_is_the_first_hit_for_its_name_and_path(library: Library, path: s
         ("wurfe", [("Würfe/weit 7", ("folder",))]),
         ("games ball", [("Würfe/weit 7", ("tag",))]),
         ("reel", [("Würfe/weit 7", ("collection",))]),
+        ("Fights", [(f"fights/{name}", ("folder",)) for name in ("HeroKick_01", "HeroKick_02", "kick")]),
         ("somewhere else", []),
     ],
 )
