@@ -1,11 +1,12 @@
-"""A file of any format becomes Takes; one of several is named as `file#name`."""
+"""A file of any format becomes Takes; a part of it is named as `file#name`."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from os import PathLike, fspath
-from os.path import exists
+from os.path import exists, join, split
 from pathlib import Path
+from unicodedata import normalize
 
 import numpy as np
 
@@ -43,31 +44,27 @@ def read_takes(path: str | PathLike[str], *, fps: float | None = None) -> list[T
     return [mended(path, take) for take in takes]
 
 
-def read_take(path: str | PathLike[str], *, fps: float | None = None) -> Take:
-    """Read the one take of a motion file, or the one of several that `file#name` names; see `read_takes`.
-
-    Raises
-    ------
-    UnreadableMotion
-        Also where the file holds several and none is named, or none of that name.
-    """
-    file, name = split_name(path)
-    takes = read_takes(file, fps=fps)
-    if not name and len(takes) == 1:
-        return takes[0]
-    for take in takes:
-        if take.name == name:
-            return take
-    names = ", ".join(f"{file.name}#{take.name}" for take in takes if take.name)
-    raise UnreadableMotion(file, f"it holds no take {name!r}" if not names else f"it holds several takes: {names}")
-
-
 def split_name(path: str | PathLike[str]) -> tuple[Path, str]:
-    """A path as a file and the name of a take in it; the name is empty where there is such a file, or no `#`."""
+    """A path as a file and the name of a part of it; the name is empty where there is such a file, or no `#`.
+
+    Names are compared in Unicode's composed and decomposed forms, as files from a Mac have the latter.
+    """
     whole = fspath(path)
-    if exists(whole) or is_file(Path(whole)):
-        return Path(whole), ""
-    return next(((Path(file), name) for file, name in splits(whole) if is_file(Path(file))), (Path(whole), ""))
+    for file, name in ((whole, ""), *splits(whole)):
+        for spelt in _spellings(file):
+            if is_file(Path(spelt)) or (not name and exists(spelt)):
+                return Path(spelt), name
+    return Path(whole), ""
+
+
+def _spellings(path: str) -> list[str]:
+    """A path as it is, and in other forms of Unicode: all of it, and its last name alone."""
+    if path.isascii():
+        return [path]
+    folder, name = split(path)
+    wholes = [normalize(form, path) for form in ("NFC", "NFD")]
+    names = [join(folder, normalize(form, name)) for form in ("NFC", "NFD")]
+    return list(dict.fromkeys([path, *wholes, *names]))
 
 
 def is_of_format(path: Path, ending: str) -> bool:

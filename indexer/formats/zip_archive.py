@@ -37,10 +37,10 @@ _DAMAGE = (
 #: Control characters, and the backslash, which is a separator on some systems.
 _NOT_IN_NAMES = re.compile(r"[\x00-\x1f\x7f-\x9f\\]")
 
-_NESTED = "are archives themselves, and are passed over; unpack them"
-_ODD_NAMES = "have names that lead out of the archive or are none, and are passed over"
-_LINKS = "are symbolic links, and are passed over"
-_TWICE = "share their name with a later one, and are passed over"
+_NESTED = "archives in it passed over, to be unpacked"
+_ODD_NAMES = "files passed over whose names lead out of the archive or are none"
+_LINKS = "symbolic links in it passed over"
+_TWICE = "files passed over that share their name with a later one"
 
 
 @dataclass(frozen=True)

@@ -50,3 +50,8 @@ def read_part(path: str | PathLike[str], *, fps: float | None = None) -> FilePar
     names = ", ".join(with_part(file.name, part) for part, _ in parts) if len(parts) > 1 else ""
     what = f"no take {name!r}" if name else "several takes"
     raise UnreadableMotion(file, f"it holds {what}" + (f"; name one of them: {names}" if names else ""))
+
+
+def read_take(path: str | PathLike[str], *, fps: float | None = None) -> Take:
+    """The take alone that `read_part` gives."""
+    return read_part(path, fps=fps).take

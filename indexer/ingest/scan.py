@@ -26,14 +26,11 @@ _OF_LIBRARY = frozenset({"vectors", "previews"})
 #: Archives and compressed files, which may hold motions and are not looked into.
 _PACKINGS = frozenset({".tar", ".tgz", ".gz", ".bz2", ".xz", ".zst", ".7z", ".rar"})
 
-_OTHER_NAME = "lead to what is indexed under another name, and are passed over"
-_LOOP = "lead back to a folder around them, and are passed over"
-_BROKEN = "lead to nothing that is there; the clips they led to are left as they were"
-_PACKED = "are not read; unpack them, or pack them as .zip"
-_ENCODING = "have names that are not UTF-8, and are passed over; rename them"
-
-#: What is remarked on; symbolic links where nothing stands here.
-_KINDS = {_ENCODING: "entries", _PACKED: "packed files"}
+_OTHER_NAME = "symbolic links passed over, to what is indexed under another name"
+_LOOP = "symbolic links passed over, back to a folder around them"
+_BROKEN = "symbolic links to nothing that is there, whose clips are left as they were"
+_PACKED = "packed files not read, to be unpacked, or packed as .zip"
+_ENCODING = "entries passed over, to be renamed, whose names are not UTF-8"
 
 
 @dataclass
@@ -207,12 +204,11 @@ class _Walk:
         for folder in scan.folders:
             folder.files.sort(key=lambda file: file.path)
         for remark, paths in self._remarks.items():
-            kind = _KINDS.get(remark, "symbolic links")
-            self._remark(f"{self.root}: {len(paths)} {kind} {remark}", paths)
+            self._remark(f"{self.root}: {remark}", paths)
         return scan
 
     def _remark(self, text: str, paths: list[str]) -> None:
-        self._scan.warnings.append(f"{text}; such as {min(paths)}")
+        self._scan.warnings.append(f"{text}: {len(paths)}, such as {min(paths)}")
 
     def _add(self, path: str, state: os.stat_result) -> None:
         file = File(path, state.st_size, time_of(state))
@@ -240,7 +236,7 @@ class _Walk:
                 folder.files.append(File(path, info.file_size, info.CRC, refusal=zip_archive.refusal(info)))
             self.folders[folder.path] = folder
         for remark, names in archive.remarks.items():
-            self._remark(f"{self.root / file.path}: {len(names)} files {remark}", names)
+            self._remark(f"{self.root / file.path}: {remark}", names)
 
     def _broken(self, path: str, error: OSError) -> None:
         if error.errno == errno.ELOOP:

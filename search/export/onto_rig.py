@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from encoders.errors import QueryError
 from encoders.motion import Motion
 from encoders.skeleton import INDEX
-from indexer.formats.reading import read_take
+from indexer.ingest.file_parts import read_take
 from indexer.rigs.landmarks import Landmarks
 from indexer.rigs.mapping import RigMap, map_rig
 from indexer.rigs.orientation import orientation

@@ -11,7 +11,7 @@ import pytest
 
 import motionseek
 from encoders.skeleton import INDEX
-from indexer.formats.reading import read_take
+from indexer.ingest.file_parts import read_take
 from search.export.annotations import as_babel, as_eaf
 from search.hits import Hit
 from tests.indexer.folders import standing

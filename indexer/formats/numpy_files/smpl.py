@@ -34,6 +34,8 @@ _OFFSETS = np.array(
 )  # fmt: skip
 #: Frames that are turned at once, so that memory stays small.
 _CHUNK = 8192
+#: How far a product of rows of a rotation matrix may be from 0 or 1.
+_ORTHOGONAL = 0.02
 #: The frame rate of parameters that state none: what most estimates from video have.
 _USUAL_FPS = 30.0
 
@@ -181,15 +183,54 @@ def rotation_matrices(angles: Floats) -> Floats:
     return rotations
 
 
+def axis_angles(rotations: Floats) -> Floats:
+    """Axis times angle (..., 3), radians, of rotations (..., 3, 3), by their quaternions.
+
+    Of the four ways to a quaternion the one is taken whose divisor is largest (Shepperd, J. Guidance Control, 1978).
+    """
+    m = rotations
+    trace = np.trace(m, axis1=-2, axis2=-1)
+    diagonal = np.stack([trace, m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]], axis=-1)
+    squares = (1 + 2 * diagonal - trace[..., None]).clip(0)  # four times the squares of w, x, y and z
+    squares[..., 0] = (1 + trace).clip(0)
+    wx, wy, wz = (m[..., k, j] - m[..., j, k] for j, k in ((1, 2), (2, 0), (0, 1)))
+    xy, xz, yz = (m[..., j, k] + m[..., k, j] for j, k in ((0, 1), (0, 2), (1, 2)))
+    w, x, y, z = np.moveaxis(squares, -1, 0)
+    ways = np.stack([[w, wx, wy, wz], [wx, x, xy, xz], [wy, xy, y, yz], [wz, xz, yz, z]])  # (4, 4, ...)
+    best = squares.argmax(axis=-1)
+    quaternion = np.take_along_axis(np.moveaxis(ways, (0, 1), (-2, -1)), best[..., None, None], axis=-2)[..., 0, :]
+    quaternion *= np.where(quaternion[..., :1] < 0, -1, 1)  # the shorter way round
+    axis = quaternion[..., 1:]
+    sine = np.sqrt((axis**2).sum(-1, keepdims=True))
+    angle = 2 * np.arctan2(sine, quaternion[..., :1])
+    found: Floats = axis * angle / np.maximum(sine, 1e-300)
+    return found
+
+
 def _axis_angles(path: str | PathLike[str], name: str, array: NDArray[Any] | None) -> Floats:
-    """Rotations as (T, J, 3), stored so or flat; of the first 22 joints at most."""
-    if array is None or array.ndim not in (2, 3) or not array.size or (array.size // len(array)) % 3:
+    """Rotations as (T, J, 3), of the first 22 joints at most, stored so, flat, or as matrices (T, J, 3, 3)."""
+    if array is None or array.ndim not in (2, 3, 4) or not array.size or (array.size // len(array)) % 3:
         shape = None if array is None else array.shape
         raise UnreadableMotion(path, f"{name} of shape {shape} is no rotation of joints (T, 3 J)")
-    if array.ndim == 3 and array.shape[2] != 3:
-        raise UnreadableMotion(path, f"{name} of shape {array.shape} is no rotation of joints (T, J, 3)")
+    matrices = _matrices(array)
+    if matrices is not None:
+        return axis_angles(matrices)
+    if array.ndim > 3 or (array.ndim == 3 and array.shape[2] != 3):
+        raise UnreadableMotion(
+            path, f"{name} of shape {array.shape} is no rotation of joints (T, J, 3), nor matrices (T, J, 3, 3)"
+        )
     angles: Floats = array.reshape(len(array), -1, 3)[:, : len(JOINTS)].astype(np.float64)
     return angles
+
+
+def _matrices(array: NDArray[Any]) -> Floats | None:
+    """The first 22 of an array's rotation matrices (T, J, 3, 3), which may be flat; None where it holds others."""
+    if (array.size // len(array)) % 9:
+        return None
+    found: Floats = array.reshape(len(array), -1, 3, 3)[:, : len(JOINTS)].astype(np.float64)
+    square = found @ found.swapaxes(-1, -2)
+    is_turn = np.abs(square - np.eye(3)).max() < _ORTHOGONAL and float(np.linalg.det(found).min()) > 0
+    return found if is_turn else None
 
 
 def _positive(path: str | PathLike[str], name: str, array: NDArray[Any]) -> float:

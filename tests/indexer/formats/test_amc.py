@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from encoders.errors import UnreadableMotion
-from indexer.formats.reading import read_take
+from indexer.ingest.file_parts import read_take
 from indexer.take import Take
 
 ASF = """# made by a test

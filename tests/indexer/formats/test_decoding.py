@@ -10,7 +10,7 @@ import pytest
 
 from encoders.errors import UnreadableMotion
 from indexer.formats.decoding import FREE
-from indexer.formats.reading import read_take
+from indexer.ingest.file_parts import read_take
 from tests.indexer.formats.test_amc import AMC, ASF
 from tests.indexer.formats.test_bvh import ARM
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from encoders.errors import UnreadableMotion
-from indexer.formats.reading import read_take, read_takes
+from indexer.formats.reading import read_takes
+from indexer.ingest.file_parts import read_take
 from indexer.take import Take
 from tests.indexer.formats import fbx_writer as fbx
 from tests.indexer.formats.fbx_writer import Keys, Layer, Node, Stack

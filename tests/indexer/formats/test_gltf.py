@@ -18,7 +18,8 @@ from scipy.spatial.transform import Rotation
 from encoders.errors import UnreadableMotion
 from indexer.formats.gltf import gltf_container, gltf_reader
 from indexer.formats.gltf.gltf_animation import Channel
-from indexer.formats.reading import read_take, read_takes
+from indexer.formats.reading import read_takes
+from indexer.ingest.file_parts import read_take
 from indexer.ingest.load import load_motion
 from indexer.rigs.retarget import retarget
 from indexer.take import Take

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from encoders.errors import UnreadableMotion
-from indexer.formats.reading import read_take
 from indexer.formats.table import READABLE
+from indexer.ingest.file_parts import read_take
 from indexer.ingest.load import load_motion
 from tests.indexer.performances import bvh, performance
 

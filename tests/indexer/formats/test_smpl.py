@@ -37,6 +37,26 @@ def test_many_frames_at_once_are_turned_as_one_after_another() -> None:
     np.testing.assert_allclose(found, joints_of(angles * 7, way, rest), atol=1e-9)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_axis_angles_of_matrices_are_those_they_came_from(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    angles = rng.normal(size=(400, 3))
+    angles *= (rng.uniform(0, np.pi, 400) / np.linalg.norm(angles, axis=-1))[:, None]
+    angles[:3] = np.diag([np.pi, 1e-9, 0])  # a half turn, nearly none, none
+    found = smpl.axis_angles(smpl.rotation_matrices(angles))
+    np.testing.assert_allclose(found, angles, atol=1e-7)
+
+
+@pytest.mark.parametrize("is_flat", [False, True])
+def test_rotations_may_be_matrices(is_flat: bool) -> None:
+    matrices = smpl.rotation_matrices(ANGLES.reshape(len(ANGLES), 22, 3))
+    root, body = matrices[:, :1], matrices[:, 1:]
+    if is_flat:
+        root, body = matrices[:, 0], body.reshape(len(body), -1)
+    take = read(root_orient=root, pose_body=body, trans=WAY, mocap_frame_rate=60.0)
+    np.testing.assert_allclose(take.positions, JOINTS_OF, atol=1e-6)
+
+
 def test_no_rotation_is_the_rest_pose() -> None:
     np.testing.assert_array_equal(smpl.rotation_matrices(np.zeros((2, 3))), np.broadcast_to(np.eye(3), (2, 3, 3)))
     joints = smpl.forward_kinematics(np.zeros((1, 22, 3)), np.zeros((1, 3)), smpl.rest_joints())

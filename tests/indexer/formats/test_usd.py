@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from encoders.errors import UnreadableMotion
-from indexer.formats.reading import read_take, read_takes
+from indexer.formats.reading import read_takes
+from indexer.ingest.file_parts import read_take
 from indexer.ingest.load import load_motion
 from indexer.take import Take
 from tests.conftest import ROOT

@@ -14,8 +14,8 @@ import pytest
 from encoders.errors import UnreadableMotion
 from indexer.formats import zip_archive
 from indexer.formats.opening import beside, is_file, read_bytes, size, state
-from indexer.formats.reading import read_take
 from indexer.formats.zip_archive import open_member, read_archive, refusal, split
+from indexer.ingest.file_parts import read_take
 from tests.indexer.formats.test_amc import AMC, ASF
 from tests.indexer.performances import bvh, performance
 

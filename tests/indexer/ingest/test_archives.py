@@ -132,8 +132,8 @@ def test_what_is_passed_over_is_named_once_with_its_number(root, bundle):
     members = {f"../{i}.npy": b"x" for i in range(5)} | {"inner.zip": b"PK", "inner2.zip": b"PK"}
     pack(root / "odd.zip", members)
     first, second = sorted(index(root, bundle=bundle, jobs=1).warnings)
-    assert "odd.zip: 2 files are archives themselves" in first
-    assert "odd.zip: 5 files have names that lead out of the archive" in second
+    assert "odd.zip: archives in it passed over, to be unpacked: 2," in first
+    assert "odd.zip: files passed over whose names lead out of the archive or are none: 5," in second
     assert second.endswith("such as ../0.npy")
     assert not (root.parent / "0.npy").exists()
 

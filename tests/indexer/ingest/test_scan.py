@@ -51,7 +51,7 @@ def test_what_several_paths_lead_to_is_taken_once_under_its_own(root):
     write(root / ".store.npy", 3).rename(root / ".store")
     assert found(root) == ["a.npy", "first.npy", "day/b.npy"]
     assert walk(root).warnings == [
-        f"{root}: 3 symbolic links lead to what is indexed under another name, and are passed over; such as 0"
+        f"{root}: symbolic links passed over, to what is indexed under another name: 3, such as 0"
     ]
 
 
@@ -84,7 +84,7 @@ def test_loops_are_named_once_and_passed_over(root, tmp_path):
     link(root / "other", tmp_path / "other", is_folder=True)
     assert found(root) == ["a.npy", "day/b.npy", "other/c.npy"]
     (warning,) = walk(root).warnings
-    assert "5 symbolic links lead back to a folder around them, and are passed over; such as around" in warning
+    assert "symbolic links passed over, back to a folder around them: 5, such as around" in warning
 
 
 def test_links_that_lead_nowhere_are_one_warning_and_what_they_led_to_may_be_there(root):
@@ -92,7 +92,7 @@ def test_links_that_lead_nowhere_are_one_warning_and_what_they_led_to_may_be_the
         link(root / "annex" / f"{number}.npy", "../.git/annex/objects/missing")
     scan = walk(root)
     assert len(scan.warnings) == 1
-    assert "7 symbolic links lead to nothing that is there" in scan.warnings[0]
+    assert "symbolic links to nothing that is there, whose clips are left as they were: 7" in scan.warnings[0]
     assert "such as annex/0.npy" in scan.warnings[0]
     assert scan.may_hold("annex/3.npy")
     assert not scan.may_hold("annex/30.npy")
@@ -119,7 +119,7 @@ def test_names_that_are_not_utf8_are_one_warning(root):
         (root / os.fsdecode(b"\xe4%d.npy" % number)).write_bytes(b"x")
     assert found(root) == ["a.npy", "day/b.npy"]
     (warning,) = walk(root).warnings
-    assert "3 entries have names that are not UTF-8" in warning
+    assert "entries passed over, to be renamed, whose names are not UTF-8: 3" in warning
 
 
 @pytest.mark.parametrize("year", [1492, 1969, 2262.5, 2400])
@@ -143,4 +143,4 @@ def test_archives_that_are_not_looked_into_are_counted(tmp_path):
     for name in ("a.tar.gz", "b.7z", "c.RAR", "d.zip.txt"):
         (tmp_path / name).write_bytes(b"x")
     (warning,) = walk(tmp_path).warnings
-    assert "3 packed files are not read; unpack them, or pack them as .zip; such as a.tar.gz" in warning
+    assert "packed files not read, to be unpacked, or packed as .zip: 3, such as a.tar.gz" in warning

@@ -1,7 +1,9 @@
 """Reading an unindexed file, at the frame rate that its library knows for it."""
 
 import shutil
+from unicodedata import normalize
 
+import numpy as np
 import pytest
 
 import motionseek
@@ -9,7 +11,7 @@ from indexer.ingest.indexing import index
 from indexer.ingest.unindexed import known_options, read_unindexed
 from indexer.store.stored_library import StoredLibrary
 from tests.indexer.folders import SmallBundle, write
-from tests.indexer.performances import bvh, performance
+from tests.indexer.performances import bvh, performance, together
 
 
 @pytest.fixture
@@ -86,3 +88,18 @@ def test_what_was_taken_for_granted_is_said(tmp_path):
     for read in (motionseek.load, lambda path: motionseek.describe(path, 1)):
         with pytest.warns(motionseek.MotionSeekWarning, match=r"take\.bvh: it announces 40 frames but holds 30"):
             read(path)
+
+
+@pytest.mark.parametrize(("on_disk", "typed"), [("NFD", "NFC"), ("NFC", "NFD")])
+def test_names_are_compared_in_any_form_of_unicode(tmp_path, on_disk, typed):
+    folder = tmp_path / normalize(on_disk, "Läufer")
+    write(folder / normalize(on_disk, "é.npy"), 1)
+    for path in (folder / normalize(typed, "é.npy"), tmp_path / normalize(typed, "Läufer/é.npy")):
+        assert motionseek.load(path).duration == pytest.approx(4, abs=0.15)
+
+
+def test_a_part_that_is_not_there_is_answered_with_those_that_are(tmp_path):
+    path = tmp_path / "pair.bvh"
+    path.write_text(together(bvh(performance(seed=1)), bvh(performance(seed=2).transformed(np.diag([-1.0, 1, -1])))))
+    with pytest.raises(motionseek.UnreadableMotion, match=r"no take '3'; name one of them: pair\.bvh, pair\.bvh#2"):
+        motionseek.load(f"{path}#3")

@@ -10,7 +10,7 @@ import pytest
 from encoders.errors import QueryError
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, JOINTS, PARENTS, RAW_OFFSETS
-from indexer.formats.reading import read_take
+from indexer.ingest.file_parts import read_take
 from indexer.ingest.load import load_motion
 from search.export import bvh_writer
 from search.export.cut import write_cut

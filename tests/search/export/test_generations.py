@@ -12,7 +12,7 @@ import pytest
 from encoders.corpus.composition.scene_clips import make_clip
 from encoders.corpus.scene import ActionStep, Scene
 from encoders.motion import Motion
-from indexer.formats.reading import read_take
+from indexer.ingest.file_parts import read_take
 from indexer.ingest.load import load_motion
 from indexer.rigs.rebuild import rebuild
 from search.export.cut import WRITERS, write_cut

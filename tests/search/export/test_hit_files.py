@@ -9,7 +9,7 @@ import pytest
 
 from encoders.bundle.bundle import Bundle
 from encoders.errors import ArgumentError, MotionSeekWarning
-from indexer.formats.reading import read_take
+from indexer.ingest.file_parts import read_take
 from indexer.ingest.indexing import index
 from indexer.ingest.load import load_motion
 from search.export.credits import credit_files

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from encoders.errors import MotionSeekWarning, QueryError
 from encoders.motion import Motion
-from indexer.formats.reading import read_take
+from indexer.ingest.file_parts import read_take
 from indexer.ingest.load import load_motion
 from indexer.take import Take
 from search.export.cut import write_cut

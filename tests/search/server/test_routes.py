@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from encoders.skeleton import JOINTS
-from indexer.formats.reading import read_take
+from indexer.ingest.file_parts import read_take
 from indexer.store.stored_library import StoredLibrary
 from search.export import joints_binary
 
