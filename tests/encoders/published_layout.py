@@ -79,7 +79,8 @@ def config() -> dict:
 def write_statistics(folder: Path, size: int = 263) -> tuple[np.ndarray, np.ndarray]:
     """Write statistics of random numbers; mean and standard deviation."""
     rng = np.random.default_rng(0)
-    mean, std = rng.normal(size=size).astype(np.float32), rng.uniform(0.1, 2, size).astype(np.float32)
+    mean = rng.normal(scale=0.1, size=size).astype(np.float32)
+    std = rng.uniform(0.5, 2, size).astype(np.float32)
     folder.mkdir(parents=True, exist_ok=True)
     for name, values in (("mean", mean), ("std", std)):
         torch.save(torch.from_numpy(values), folder / f"{name}.pt")

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
 import torch
 
 from encoders.bundle.bundle import Bundle
-from encoders.errors import BundleError
+from encoders.corpus.composition.seeds import CALIBRATION
+from encoders.corpus.composition.synthetic_pairs import synthetic_clips
+from encoders.errors import BundleError, MotionSeekWarning
 from encoders.features.registry import FEATURE_KINDS, FeatureKind, feature_kind
 from encoders.tmr.conversion.from_published import PublishedData, load_run, load_stats, read_config, read_data
 from encoders.tmr.conversion.to_bundle import export_bundle, replacing
@@ -24,6 +27,9 @@ _KINDS = {"guoh3dfeats": "humanml3d"}
 _WHOLE = 100.0
 #: How far a number of a unit vector may be from the run's.
 _EXACT = 1e-4
+#: Synthetic clips that statistics are tried on, and standard deviations: with the published statistics the farthest
+#: feature lies at 3 (HumanML3D) and 4 (KIT-ML), with axes, units, or mean and deviation exchanged beyond 18.
+_TRIED, _FARTHEST = 20, 10.0
 _SENTENCES = ("a person walks", "someone sits down on a chair and then stands up again", "jumps")
 
 
@@ -70,6 +76,7 @@ def import_run(
         raise BundleError(f"{run / 'config.json'}: {stated} numbers a frame, features {kind.name!r} have {kind.size}")
     place = statistics_of_run(run, data) if stats is None else stats
     mean, std = load_stats(place, kind.size)
+    _warn_of_unlikely(place, kind, mean, std)
     network = load_run(run)
     language = _language(run, data, network, language_model)
     with replacing(folder) as new:
@@ -139,6 +146,19 @@ def statistics_of_run(run: Path, data: PublishedData) -> Path:
         f"{run}: its statistics {data.statistics} are neither in its folder nor above it; name the folder that holds "
         "mean.pt and std.pt (--stats DIR; the published repository has it)"
     )
+
+
+def _warn_of_unlikely(place: Path, kind: FeatureKind, mean: np.ndarray, std: np.ndarray) -> None:
+    """Warn where human movement lies far outside of statistics: they are of other axes, units or features."""
+    rows = np.concatenate([clip.features for clip in synthetic_clips(CALIBRATION, _TRIED, kind)])
+    far = np.sqrt((((rows - mean) / std) ** 2).mean(axis=0))
+    if far.max() > _FARTHEST:
+        warnings.warn(
+            f"{place}: feature {far.argmax()} of human movement lies {far.max():.0f} standard deviations from this "
+            f"mean; are these statistics of {kind.name!r}, in metres with Y up, and mean and std not exchanged?",
+            MotionSeekWarning,
+            stacklevel=3,
+        )
 
 
 def _language(run: Path, data: PublishedData, network: TMR, given: str | None) -> LanguageModel:

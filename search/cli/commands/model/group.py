@@ -86,7 +86,12 @@ def list_models(as_json: bool) -> None:
         return
     columns = ("name", "features", "language_model", "latent_size", "megabytes", "fingerprint", "place")
     table = [tuple("" if row[column] is None else shown(row[column]) for column in columns) for row in rows]
-    terminal.table(tuple(column.replace("_", " ") for column in columns), table, right=("latent size", "megabytes"))
+    terminal.table(
+        tuple(column.replace("_", " ") for column in columns),
+        table,
+        right=("latent size", "megabytes"),
+        below=("place",),
+    )
     for row in rows:
         if row["problem"]:
             terminal.note(str(row["problem"]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import warnings
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ pytest.importorskip("safetensors")
 pytestmark = pytest.mark.torch
 
 from encoders.bundle.bundle import Bundle  # noqa: E402
-from encoders.errors import BundleError  # noqa: E402
+from encoders.errors import BundleError, MotionSeekWarning  # noqa: E402
 from encoders.tmr.conversion.from_published import MODULES, load_run  # noqa: E402
 from encoders.tmr.conversion.import_run import import_run  # noqa: E402
 from encoders.tmr.model.network import TMR, TMRConfig  # noqa: E402
@@ -122,7 +123,9 @@ def test_a_checkpoint_gives_the_same_bundle(published, imported, tmp_path):
 
 def test_the_vectors_of_the_whole_published_run(golden, published, tmp_path):
     run, data = golden / "published_run", golden / "published_dataset"
-    bundle, _ = import_small(run, tmp_path / "bundle", published, stats=data / STATISTICS)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", MotionSeekWarning)  # human movement fits the published statistics
+        bundle, _ = import_small(run, tmp_path / "bundle", published, stats=data / STATISTICS)
     annotations = json.loads((data / "annotations/humanml3d/annotations.json").read_text())
     rows = json.loads((run / "latents/humanml3d_keyids_index_all.json").read_text())
     motions = []
@@ -228,3 +231,20 @@ def test_a_failed_import_leaves_the_model_that_was_there(published, tmp_path):
         import_small(run, tmp_path / "bundle", published, stats=published / STATISTICS)
     assert Bundle.load(tmp_path / "bundle").fingerprint == bundle.fingerprint
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bundle", "run"]
+
+
+def test_statistics_that_no_human_movement_fits_are_warned_of(published, tmp_path):
+    write_statistics(tmp_path)
+    mean = torch.load(tmp_path / "mean.pt")
+    mean[7] += 40  # as where Y and Z are exchanged
+    torch.save(mean, tmp_path / "mean.pt")
+    with pytest.warns(MotionSeekWarning, match="feature 7 of human movement lies"):
+        import_small(published / "models" / "tmr_small", tmp_path / "bundle", published, stats=tmp_path)
+
+
+def test_a_run_without_its_decoder_is_imported(published, imported, tmp_path):
+    run = write_run(tmp_path / "run")
+    (run / "last_weights" / "motion_decoder.pt").unlink()
+    assert load_run(run).motion_decoder is None
+    bundle, _ = import_small(run, tmp_path / "bundle", published, stats=published / STATISTICS)
+    assert bundle.fingerprint == imported.fingerprint
