@@ -115,7 +115,8 @@ def _listed(known: KnownModel) -> dict[str, Any]:
 
 @model.command()
 @click.argument("name")
-def calibrate(name: str) -> None:
+@options.as_json
+def calibrate(name: str, as_json: bool) -> None:
     """Calibrate the model NAME, an imported one or a bundle's folder, so that its hits are strong, plausible or weak.
 
     Hits of 2,300 synthetic clips are judged, and sentences that no motion fits. It takes minutes; vectors stay as they
@@ -128,13 +129,17 @@ def calibrate(name: str) -> None:
     from encoders.bundle.bundle import DEFAULT, Bundle
     from encoders.bundle.calibration_file import add_calibration
     from encoders.bundle.known_models import load_model
+    from search.cli import terminal
     from search.ranking.strength_calibration import calibrate_synthetically
 
     bundle = load_model(name)
     if not isinstance(bundle, Bundle) or bundle.folder == DEFAULT:
         raise click.ClickException(f"{name}: only imported models and bundles of your own are calibrated here")
     add_calibration(bundle.folder, calibrate_synthetically(bundle))
-    click.echo(f"{bundle.name} in {bundle.folder} is calibrated")
+    if as_json:
+        terminal.document({"name": bundle.name, "folder": str(bundle.folder), "calibrated": True})
+    else:
+        click.echo(f"{bundle.name} in {bundle.folder} is calibrated")
 
 
 @model.command()

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from search.cli import options
 from search.cli.commands.model.train import require_extra
 
 _FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
@@ -27,8 +28,15 @@ _FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
 )
 @click.option("--features", metavar="KIND", help="Kind of features, where that of config.json is not known.")
 @click.option("--force", is_flag=True, help="Replace a model of this name.")
+@options.as_json
 def import_run(
-    run: Path, name: str, stats: Path | None, language_model: str | None, features: str | None, force: bool
+    run: Path,
+    name: str,
+    stats: Path | None,
+    language_model: str | None,
+    features: str | None,
+    force: bool,
+    as_json: bool,
 ) -> None:
     """Import a TMR that its authors' code has trained: RUN_DIR with config.json and weights.
 
@@ -44,6 +52,7 @@ def import_run(
     require_extra("importing")
     from encoders.bundle.known_models import folder_of
     from encoders.tmr.conversion.import_run import import_run as import_published
+    from search.cli import terminal
 
     folder = folder_of(name)
     if folder.exists() and not force:
@@ -51,5 +60,9 @@ def import_run(
     bundle, difference = import_published(
         run, folder, name=name, stats=stats, language_model=language_model, features=features
     )
+    if as_json:
+        facts = {"name": name, "fingerprint": bundle.fingerprint, "folder": str(folder), "difference": difference}
+        terminal.document(facts)
+        return
     click.echo(f"{name} {bundle.fingerprint[:12]} in {folder}, {bundle.megabytes:.0f} MB")
     click.echo(f"its vectors differ from the run's by {difference:.0e} at most")
