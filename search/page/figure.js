@@ -23,7 +23,7 @@ import * as shaders from "./shaders.js";
  * by the last number in metres: heads, hands and toes have no joint at their tip.
  * @type {[number, number, number, number, "body" | "left" | "right", number?][]}
  */
-const BONES = [
+export const BONES = [
   [0, 3, 0.112, 0.108, "body"], [3, 6, 0.108, 0.118, "body"], [6, 9, 0.118, 0.122, "body"], [9, 12, 0.085, 0.052, "body"],
   [12, 15, 0.05, 0.052, "body"], [15, -12, 0.088, 0.096, "body", 0.1],
   [16, 17, 0.062, 0.062, "body"], [1, 2, 0.1, 0.1, "body"],
@@ -39,11 +39,11 @@ const TRAILS = /** @type {[number, "body" | "left" | "right"][]} */ ([[20, "left
 const TRAIL_SECONDS = 1.6;
 const TRAIL_PIECES = 32;
 
-const CAPSULE = new CapsuleGeometry(1, 1, 5, 14);
+export const CAPSULE = new CapsuleGeometry(1, 1, 5, 14);
 const SQUARE = new PlaneGeometry(2, 2);
 
 /** @param {any} base @param {any} a @param {any} b @param {any} [tint] */
-function instanced(base, a, b, tint) {
+export function instanced(base, a, b, tint) {
   const geometry = new InstancedBufferGeometry();
   geometry.index = base.index;
   geometry.setAttribute("position", base.attributes.position);
@@ -54,8 +54,15 @@ function instanced(base, a, b, tint) {
   return geometry;
 }
 
+/** Dispose of an instanced geometry without what all share: it would take all its attributes from the graphics card. */
+export function disposeOf(geometry) {
+  geometry.index = null;
+  geometry.deleteAttribute("position");
+  geometry.dispose();
+}
+
 /** @param {any} material */
-function mesh(geometry, material, order) {
+export function mesh(geometry, material, order) {
   const made = new Mesh(geometry, material);
   made.frustumCulled = false;
   made.renderOrder = order;
@@ -66,7 +73,7 @@ function mesh(geometry, material, order) {
 const bodyMaterial = new ShaderMaterial({
   vertexShader: shaders.capsuleVertex, fragmentShader: shaders.capsuleFragment, transparent: true, premultipliedAlpha: true,
 }); // prettier-ignore
-const trailMaterial = new ShaderMaterial({
+export const trailMaterial = new ShaderMaterial({
   vertexShader: shaders.capsuleVertex, fragmentShader: shaders.capsuleFragment,
   transparent: true, premultipliedAlpha: true, depthWrite: false,
 }); // prettier-ignore
@@ -138,12 +145,7 @@ export class Figure {
   }
 
   dispose() {
-    // What all figures share is taken off first: a geometry takes its attributes from the graphics card with it.
-    for (const { geometry } of this.meshes.slice(1)) {
-      geometry.index = null;
-      geometry.deleteAttribute("position");
-      geometry.dispose();
-    }
+    for (const { geometry } of this.meshes.slice(1)) disposeOf(geometry);
   }
 
   /** The distance of two joints in metres, never 0. @param {number} from @param {number} to */

@@ -21,7 +21,7 @@ export class Grid {
       for (const entry of entries) if (entry.isIntersecting) this.#load(/** @type {HTMLElement} */ (entry.target));
     }, { rootMargin: "300px" }); // prettier-ignore
     list.addEventListener("keydown", (event) => this.#move(event));
-    for (const event of ["focusin", "click"]) list.addEventListener(event, ({ target }) => (this.last = this.cards.findIndex(({ card }) => card.contains(/** @type {Node} */ (target)))), true);
+    for (const event of ["focusin", "pointerdown", "click"]) list.addEventListener(event, ({ target }) => this.#touch(/** @type {Node} */ (target)), true);
   }
 
   /** @param {import("./api.js").Hit[]} hits */
@@ -55,9 +55,23 @@ export class Grid {
     this.list.replaceChildren();
   }
 
+  /** A card is used: it opens under the question of now, which may be newer than the card. @param {Node} target */
+  #touch(target) {
+    const i = this.cards.findIndex(({ card }) => card.contains(target));
+    if (i < 0) return;
+    this.last = i;
+    const { card } = this.cards[i];
+    /** @type {HTMLAnchorElement} */ (card).href = opening(/** @type {any} */ (card).motionseek.hit);
+  }
+
   /** Play or pause all figures. */
   refresh() {
     for (const { view } of this.cards) this.#play(view, this.isPlaying());
+  }
+
+  /** @returns {import("./api.js").Hit[]} */
+  get hits() {
+    return this.cards.map(({ card }) => /** @type {any} */ (card).motionseek.hit);
   }
 
   /** The hit of the focused card. @returns {import("./api.js").Hit | null} */
@@ -78,12 +92,10 @@ export class Grid {
   /** @param {import("./api.js").Hit} hit @param {HTMLElement} figure */
   #card(hit, figure) {
     const title = hit.caption || hit.path.split("/").pop()?.replace(/\.[^.]*$/, "") || "";
-    const whole = hit.end - hit.start >= hit.duration - 0.05;
-    const span = whole ? "whole clip" : `${hit.start.toFixed(1)}–${hit.end.toFixed(1)} s`;
-    const open = link({ clip: String(hit.clip), a: whole ? "" : hit.start.toFixed(2), b: whole ? "" : hit.end.toFixed(2), ask: [] });
+    const span = isWhole(hit) ? "whole clip" : `${hit.start.toFixed(1)}–${hit.end.toFixed(1)} s`;
     return el(
       "a",
-      { class: `card ${hit.strength}`, href: open, draggable: "false" },
+      { class: `card ${hit.strength}`, href: opening(hit), draggable: "false" },
       figure,
       el(
         "div",
@@ -128,6 +140,11 @@ export class Grid {
     else if (at + step < 0) byId("q").focus();
   }
 }
+
+const isWhole = (/** @type {import("./api.js").Hit} */ hit) => hit.end - hit.start >= hit.duration - 0.05;
+
+/** The link that opens a hit. @param {import("./api.js").Hit} hit */
+const opening = (hit) => link({ clip: String(hit.clip), a: isWhole(hit) ? "" : hit.start.toFixed(2), b: isWhole(hit) ? "" : hit.end.toFixed(2), with: "", c: "", ask: [] });
 
 /** The steps of a hit as parts of its span, and in words. @param {import("./api.js").Hit} hit */
 function steps(hit) {

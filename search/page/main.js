@@ -22,7 +22,7 @@ const isPlaying = () => playing;
 const stage = makeStage();
 const grid = new Grid(stage, byId("grid"), isPlaying);
 const results = new Results(grid);
-const viewer = new Viewer(stage, isPlaying);
+const viewer = new Viewer(stage, isPlaying, () => grid.hits);
 const plane = new Plane(stage);
 
 function makeStage() {
@@ -48,6 +48,7 @@ async function show(state, back = false) {
   const place = back ? places.get(entry()) : undefined;
   here = entry();
   for (const id of ["viewer", "map", "results"]) byId(id).hidden = id !== where;
+  document.body.classList.toggle("viewing", where === "viewer");
   showQuestion(state);
   byId("to-grid").href = link({ ...CLOSED, view: "" });
   byId("to-map").href = link({ ...CLOSED, view: "map" });
@@ -82,12 +83,12 @@ function togglePlaying() {
   showPlaying();
 }
 function showPlaying() {
-  byId("play-all").setAttribute("aria-pressed", String(playing));
   byId("play-all").textContent = playing ? "Pause all" : "Play all";
 }
 
 onTheme(() => {
   stage?.repaint();
+  viewer.repaint();
   plane.refresh();
 });
 byId("theme").addEventListener("click", changeTheme);

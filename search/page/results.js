@@ -12,6 +12,9 @@ const MAX_OFFSET = 200; // of moments and similar clips
 const SLOW = 150; // milliseconds until it is said what takes so long
 const SUGGESTIONS = ["a person walks forward", "someone waves with the right hand", "running and then jumping", "a person kicks a ball", "sits down on a chair", "climbs up a ladder", "dances happily"];
 
+/** Of the choice that is shown where nothing is asked: another one at each visit. */
+let seed = crypto.getRandomValues(new Uint16Array(1))[0];
+
 export class Results {
   /** @param {import("./grid.js").Grid} grid */
   constructor(grid) {
@@ -20,6 +23,11 @@ export class Results {
     this.running = new AbortController();
     this.offset = 0;
     byId("more").addEventListener("click", () => this.#more());
+    byId("others").addEventListener("click", () => {
+      seed = (seed + 1) % 2 ** 16;
+      this.asked = "";
+      this.show(this.state);
+    });
     byId("chips").replaceChildren(...SUGGESTIONS.map((q) => el("a", { class: "chip", href: link({ q }), "data-q": q }, q)));
   }
 
@@ -36,6 +44,7 @@ export class Results {
     this.#loading(true);
     byId("more-error").textContent = "";
     byId("chips").hidden = Boolean(state.q || state.like || state.ids);
+    byId("others").hidden = true;
     for (const chip of byId("chips").children) chip.href = link({ q: chip.dataset.q, view: "", clip: "" });
     const { signal } = this.running;
     const waiting = setTimeout(() => this.#wait(state), SLOW);
@@ -79,6 +88,7 @@ export class Results {
   #offerMore(got, asked, total) {
     this.offset += got;
     byId("more").hidden = got < asked || this.offset >= total;
+    byId("others").hidden = byId("chips").hidden || total <= PAGE;
   }
 
   /** @param {boolean} whether */
@@ -100,9 +110,14 @@ export class Results {
     byId("notice").hidden = true;
     byId("status").textContent = message;
     const filtered = Object.values(filters(state)).some(Boolean);
-    if (!hits.length && !state.q && !state.like && !filtered)
-      this.#notice("This library is empty", "Index a folder of motion capture:", el("code", {}, "motionseek index my_mocap/"));
-    else if (!hits.length) this.#notice("Nothing found", filtered ? "No clip passes the filters. Change or clear them." : "There are no clips to show.");
+    if (!hits.length && filtered) {
+      const clear = el("button", { type: "button", onclick: () => byId("filters").reset() }, "Clear the filters");
+      this.#notice("Nothing passes the filters", "No clip meets all of them.", clear);
+    } else if (!hits.length && state.ids) this.#notice("Gone", "The selected clips are no longer there. Files that were dropped are kept for a while only: drop them again.");
+    else if (!hits.length && !state.q && !state.like) {
+      byId("chips").hidden = true;
+      this.#notice("Nothing is indexed yet", "Index a folder of motion capture in a terminal; what it finds appears here by itself:", el("code", {}, "motionseek index my_mocap/"), el("p", { class: "after" }, "Or drop motion files or a folder on this page to see what they are."));
+    } else if (!hits.length) this.#notice("Nothing found", "There are no clips to show.");
     else if (state.q && hits.every((hit) => hit.strength === "weak"))
       this.#notice("No good match", `The clips nearest to “${state.q}” are all weak matches. Try plainer words: what the body does, with which hand or foot, in which direction.`);
   }
@@ -134,9 +149,9 @@ async function answer(state, offset, count, signal) {
     const { hits } = await api.search(state.q, given, count, offset, signal);
     return { hits, message: counted(hits, "clip", state.q), total: Infinity };
   }
-  const { motions, total } = await api.motions(given, count, offset, signal);
+  const { motions, total } = await api.motions(given, count, offset, seed, signal);
   const seconds = motions.reduce((sum, { duration }) => sum + duration, 0);
-  const message = total ? `${plural(total, "clip")}${total <= count ? `, ${clock(seconds)}` : ""}. Describe the motion you are looking for.` : "";
+  const message = total > count ? `A choice of ${plural(total, "clip")}` : total ? `${plural(total, "clip")}, ${clock(seconds)}` : "";
   return { hits: motions.map(whole), message, total };
 }
 

@@ -8,6 +8,7 @@ import { Figure } from "./figure.js";
 
 const FIELD_OF_VIEW = 26;
 const PITCH = 0.2;
+const DISTANCE = 4.8; // metres, from which a standing figure fits
 const SLOWEST_FRAME = 0.1;
 
 /** A figure shown in an element, its camera and its time. */
@@ -23,6 +24,8 @@ export class View {
     [this.playing, this.loop, this.speed, this.visible] = [false, true, 1, false];
     /** @type {(() => void) | null} called when the time has changed */
     this.onTime = null;
+    /** @type {View | null} another view that is turned with this one */
+    this.twin = null;
     this.#orbit();
   }
 
@@ -57,6 +60,13 @@ export class View {
     this.stage.dirty = true;
   }
 
+  /** Turn the twin, each seen from the same side of its own heading. */
+  #turned() {
+    const { twin } = this;
+    if (twin?.motion && this.motion) Object.assign(twin, { yaw: this.yaw - this.motion.heading + twin.motion.heading, pitch: this.pitch, zoom: this.zoom });
+    this.stage.dirty = true;
+  }
+
   /** Drag to turn, Ctrl and wheel (or pinch) to zoom; a drag is not a click. */
   #orbit() {
     let dragged = false;
@@ -68,7 +78,7 @@ export class View {
         dragged ||= Math.hypot(event.clientX - x, event.clientY - y) > 4;
         this.yaw = yaw - (event.clientX - x) * 0.01;
         this.pitch = clamp(pitch + (event.clientY - y) * 0.008, -0.05, 1.5);
-        this.stage.dirty = true;
+        this.#turned();
       };
       const stop = new AbortController();
       for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => stop.abort(), { signal: stop.signal });
@@ -80,7 +90,7 @@ export class View {
       if (!event.ctrlKey) return;
       event.preventDefault();
       this.zoom = clamp(this.zoom * Math.exp(event.deltaY * 0.005), 0.4, 4);
-      this.stage.dirty = true;
+      this.#turned();
     }, { passive: false }); // prettier-ignore
   }
 }
@@ -153,7 +163,7 @@ export class Stage {
     if (!view.visible || !view.motion) return;
     const [x, z] = view.motion.centre(view.time);
     const aspect = box.width / box.height;
-    const away = (4.5 * view.zoom) / Math.min(1, aspect * 1.15);
+    const away = (DISTANCE * view.zoom) / Math.min(1, aspect * 1.15);
     const flat = away * Math.cos(view.pitch);
     this.camera.aspect = aspect;
     this.camera.updateProjectionMatrix();

@@ -24,10 +24,12 @@ const MOST = 1_000_000; // clips of a selection
  * @property {string} clip         the clip that is open
  * @property {string} a            in point, seconds
  * @property {string} b            out point
+ * @property {string} with         a clip beside it, to compare
+ * @property {string} c            the time of that clip that coincides with the in point, seconds
  * @property {string[]} ask        further sentences asked of the open clip
  */
 
-const NAMES = /** @type {const} */ (["q", "moments", "min", "max", "path", "format", "rig", "captioned", "like", "from", "to", "ids", "view", "clip", "a", "b"]);
+const NAMES = /** @type {const} */ (["q", "moments", "min", "max", "path", "format", "rig", "captioned", "like", "from", "to", "ids", "view", "clip", "a", "b", "with", "c"]);
 
 /** @returns {State} */
 export function read(hash = location.hash) {
@@ -65,7 +67,7 @@ export function idsOf(clips) {
 }
 
 /** The changes that close an open clip. */
-export const CLOSED = { clip: "", a: "", b: "", ask: [] };
+export const CLOSED = { clip: "", a: "", b: "", with: "", c: "", ask: [] };
 
 /** @type {((state: State, back: boolean) => void)[]} */
 const listeners = [];

@@ -4,8 +4,10 @@
  */
 
 import { clamp, clock, el, svg } from "./dom.js";
+import { Poses } from "./poses.js";
 
-const HEIGHT = 40;
+const HEIGHT = 32;
+const EDGE = 16; // pixels beside the strip, for the handles
 const MIN_RANGE = 0.2; // of similarity that is scaled to the full height
 const SHORTEST_CUT = 0.1;
 const MIN_VISIBLE = 20; // seconds
@@ -26,18 +28,23 @@ export class Timeline {
     Object.assign(this, { root, calls, duration: 1, from: 0, to: 1, now: 0, zoom: 1 });
     this.tracks = el("div", { class: "tracks" });
     this.ruler = el("div", { class: "ruler", "aria-hidden": "true" });
+    this.feet = el("div", { class: "feet", hidden: true });
+    const canvas = /** @type {HTMLCanvasElement} */ (el("canvas", { class: "poses", "aria-hidden": "true" }));
+    this.poses = new Poses(canvas);
     this.before = el("div", { class: "shade" });
     this.after = el("div", { class: "shade" });
     this.head = this.#slider("head", "Position", (time) => calls.onSeek(time));
     this.in = this.#slider("handle in", "In point", (time, done) => this.#cut(time, this.to, done));
     this.out = this.#slider("handle out", "Out point", (time, done) => this.#cut(this.from, time, done));
     const over = el("div", { class: "over" }, this.before, this.after, this.in, this.out, this.head);
-    this.strip = el("div", { class: "strip" }, this.tracks, this.ruler, over);
+    this.strip = el("div", { class: "strip" }, this.ruler, canvas, this.feet, this.tracks, over);
     root.replaceChildren(this.strip);
     root.addEventListener("pointerdown", (event) => {
       if (/** @type {Element} */ (event.target).closest("button, [role=slider]") || event.button !== 0) return;
       this.#drag(event, (time) => calls.onSeek(time));
     });
+    root.addEventListener("scroll", () => this.drawPoses(), { passive: true });
+    new ResizeObserver(() => this.drawPoses()).observe(root);
     root.addEventListener("wheel", (event) => {
       if (!event.ctrlKey) return;
       event.preventDefault();
@@ -65,6 +72,25 @@ export class Timeline {
     this.root.scrollLeft += this.#place(time) - before;
     if (factor !== 0 && time === this.now) this.#reveal();
     this.#rule();
+    this.drawPoses();
+  }
+
+  /** Draw the strip of poses. */
+  drawPoses() {
+    this.poses.canvas.style.width = `${this.root.clientWidth - 2 * EDGE}px`;
+    const { left } = this.poses.canvas.getBoundingClientRect();
+    const ruler = this.ruler.getBoundingClientRect();
+    this.poses.draw((time) => this.#place(time) - left, (x) => ((x + left - ruler.left) / ruler.width) * this.duration);
+  }
+
+  /** Show when the feet stand. @param {import("./contacts.js").Contact[]} contacts none hides it */
+  showContacts(contacts) {
+    this.feet.hidden = !contacts.length;
+    const bar = ({ start, end }) => svg("rect", { x: (1000 * start) / this.duration, y: 0, width: (1000 * (end - start)) / this.duration, height: 1 });
+    this.feet.replaceChildren(...(contacts.length ? ["left", "right"] : []).map((side) => {
+      const own = contacts.filter((contact) => contact.side === side);
+      return svg("svg", { class: side, viewBox: "0 0 1000 1", preserveAspectRatio: "none", role: "img", "aria-label": `${own.length} contacts of the ${side} foot` }, ...own.map(bar));
+    })); // prettier-ignore
   }
 
   #rule() {

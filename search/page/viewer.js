@@ -3,18 +3,25 @@
  */
 
 import * as api from "./api.js";
+import { Compare } from "./compare.js";
+import { contacts } from "./contacts.js";
 import { byId, clamp, clock, el } from "./dom.js";
 import { CLOSED, go, link, note, read } from "./state.js";
+import { frameOf, rateOf, timecode } from "./timecode.js";
 import { Timeline } from "./timeline.js";
+import { Traces } from "./traces.js";
 import { Tracks } from "./tracks.js";
 
 const LONG = 900; // seconds; longer takes are fetched at half the frame rate
 const ROUNDED = 0.002; // seconds that a time may be off, being sent with three digits
-const STORED_FPS = 20; // of the library's poses, the step where the file's rate is not known
+const LEAST_CUT = 0.1; // seconds
 
 export class Viewer {
-  /** @param {import("./stage.js").Stage | null} stage @param {() => boolean} isPlaying whether clips play when opened */
-  constructor(stage, isPlaying) {
+  /**
+   * @param {import("./stage.js").Stage | null} stage @param {() => boolean} isPlaying whether clips play when opened
+   * @param {() => import("./api.js").Hit[]} results that a clip may be compared with
+   */
+  constructor(stage, isPlaying, results) {
     Object.assign(this, { isPlaying, clip: "" });
     this.view = stage?.add(byId("big")) ?? null;
     if (this.view) this.view.onTime = () => this.#showTime();
@@ -25,6 +32,11 @@ export class Viewer {
       onMoment: (hit) => this.#goTo(hit),
     });
     this.tracks = new Tracks(this.timeline);
+    this.compare = new Compare(stage, this.view, results);
+    this.traces = this.view && new Traces(this.view.figure.scene);
+    byId("before").addEventListener("click", () => this.stepFrames(-1));
+    byId("after").addEventListener("click", () => this.stepFrames(1));
+    for (const id of ["path", "feet"]) byId(id).addEventListener("change", () => this.#showTraces());
     byId("play").addEventListener("click", () => this.toggle());
     byId("speed").addEventListener("change", () => this.view && (this.view.speed = Number(byId("speed").value)));
     byId("loop").addEventListener("change", () => this.view && (this.view.loop = byId("loop").checked));
@@ -44,7 +56,9 @@ export class Viewer {
   /** @param {import("./state.js").State} state of an open clip */
   async show(state) {
     if (state.clip !== this.clip) await this.#open(state);
-    if (this.info && state.clip === this.clip) this.tracks.show(state, this.info.duration);
+    if (!this.info || state.clip !== this.clip) return;
+    this.tracks.show(state, this.info.duration);
+    this.compare.show(state, this.timeline.from);
   }
 
   close() {
@@ -56,11 +70,15 @@ export class Viewer {
   #clear() {
     this.info = null;
     this.tracks.clear();
+    this.compare.clear();
+    this.traces?.clear();
+    this.timeline.showContacts([]);
+    this.timeline.poses.motion = null;
     if (this.view) Object.assign(this.view, { motion: null, playing: false });
     byId("viewer").classList.add("empty");
     byId("viewer-error").hidden = true;
     for (const id of ["export", "similar"]) byId(id).removeAttribute("href");
-    for (const id of ["viewer-title", "viewer-file", "viewer-captions", "described", "viewer-facts", "time", "cut"]) byId(id).replaceChildren();
+    for (const id of ["viewer-title", "viewer-file", "viewer-captions", "described", "viewer-facts", "timecode", "time", "cut"]) byId(id).replaceChildren();
   }
 
   /** Play or pause. */
@@ -99,17 +117,17 @@ export class Viewer {
   /** Go some frames of the file on, to where one begins. @param {number} count */
   stepFrames(count) {
     if (!this.view?.motion) return;
-    const fps = this.info?.source_fps ?? STORED_FPS;
+    const fps = rateOf(this.info);
     this.view.playing = false;
-    this.seek((Math.round(this.view.time * fps) + count) / fps);
+    this.seek((frameOf(this.view.time, fps) + count) / fps);
   }
 
   /** Set the in or out point at the play head. @param {"in" | "out"} end */
   markHere(end) {
     if (!this.info || !this.view) return;
     const { time } = this.view;
-    if (end === "in") this.cut(time, Math.max(this.timeline.to, Math.min(time + 0.1, this.end)), true);
-    else this.cut(Math.min(this.timeline.from, Math.max(time - 0.1, this.begin)), time, true);
+    if (end === "in") this.cut(time, Math.max(this.timeline.to, Math.min(time + LEAST_CUT, this.end)), true);
+    else this.cut(Math.min(this.timeline.from, Math.max(time - LEAST_CUT, this.begin)), time, true);
   }
 
   /** Set the in and out points. @param {number} from @param {number} to @param {boolean} done whether to update the URL fragment */
@@ -120,6 +138,7 @@ export class Viewer {
     const whole = this.#isWhole(from, to);
     if (done) note({ a: whole ? "" : from.toFixed(2), b: whole ? "" : to.toFixed(2) });
     if (done && this.view && (this.view.time < from || this.view.time > to)) this.view.seek(from);
+    this.compare.from = from;
     this.#showCut();
   }
 
@@ -138,12 +157,15 @@ export class Viewer {
       byId("viewer").classList.remove("empty");
       this.#showInfo(info);
       const [from, to] = [Math.max(Number(state.a) || 0, this.begin), Math.min(Number(state.b) || this.end, this.end)];
-      this.timeline.open(this.end, this.begin, this.end);
-      byId("zoom").hidden = this.timeline.most <= 1;
       if (this.view) {
         this.view.show(motion);
+        this.timeline.poses.motion = motion;
+        this.contacts = contacts(motion);
+        this.#showTraces();
         Object.assign(this.view, { playing: this.isPlaying(), loop: byId("loop").checked, speed: Number(byId("speed").value) });
       }
+      this.timeline.open(this.end, this.begin, this.end);
+      byId("zoom").hidden = this.timeline.most <= 1;
       this.cut(Math.min(from, to), to, false);
       this.view?.seek(from);
       byId("viewer-status").textContent = "";
@@ -174,7 +196,7 @@ export class Viewer {
     document.title = `${info.name} – motionseek`;
     byId("viewer-title").textContent = info.name;
     byId("viewer-file").textContent = info.root ? `#${info.clip} · ${info.root} · ${info.path}` : info.path;
-    const facts = { Duration: clock(info.duration), Frames: info.source_fps ? `${info.source_frames} at ${+info.source_fps.toFixed(2)} fps` : `${info.frames} at ${+info.fps.toFixed(2)} fps`, Format: info.format, Rig: info.rig };
+    const facts = { Duration: clock(info.duration), Frames: info.source_fps ? `${info.source_frames} at ${+info.source_fps.toFixed(2)} fps` : `${info.frames}, read at ${+info.fps.toFixed(2)} fps`, Format: info.format, Rig: info.rig };
     byId("viewer-facts").replaceChildren(...Object.entries(facts).flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]));
     const captions = (info.captions ?? []).slice(0, 6).map(({ text, start, end }) =>
       el("blockquote", {}, text, start === null ? null : el("small", {}, ` ${start.toFixed(1)}–${(end ?? this.end).toFixed(1)} s`)));
@@ -207,12 +229,31 @@ export class Viewer {
     this.view.stage.dirty = true;
   }
 
+  /** Draw the path of the root and the contacts of the feet, where they are switched on. */
+  #showTraces() {
+    if (!this.view?.motion || !this.traces) return;
+    const [path, prints] = [byId("path").checked, byId("feet").checked];
+    this.traces.show(this.view.motion, this.contacts, this.view.stage.palette, { path, prints });
+    this.timeline.showContacts(prints ? this.contacts : []);
+    this.view.stage.dirty = true;
+  }
+
+  /** Draw anew after a change of the theme. */
+  repaint() {
+    this.#showTraces();
+    this.timeline.drawPoses();
+  }
+
   #showTime() {
     if (!this.view || !this.info) return;
-    this.timeline.seek(this.view.time);
-    byId("time").textContent = `${this.view.time.toFixed(2)} / ${this.end.toFixed(2)} s`;
-    byId("play").textContent = this.view.playing ? "❚❚" : "▶";
-    byId("play").setAttribute("aria-label", this.view.playing ? "Pause" : "Play");
+    const { time, playing } = this.view;
+    const fps = rateOf(this.info);
+    this.timeline.seek(time);
+    this.compare.seek(time);
+    byId("timecode").textContent = timecode(time, fps);
+    byId("time").textContent = `${time.toFixed(2)} s · frame ${frameOf(time, fps)} / ${(this.info.source_frames ?? frameOf(this.end, fps) + 1) - 1}`;
+    byId("play").classList.toggle("playing", playing);
+    byId("play").setAttribute("aria-label", playing ? "Pause" : "Play");
   }
 
   #showCut() {
@@ -220,7 +261,8 @@ export class Viewer {
     const { from, to } = this.timeline;
     const whole = this.#isWhole(from, to);
     const [start, end] = whole ? [undefined, undefined] : [from.toFixed(3), to.toFixed(3)];
-    byId("cut").textContent = whole ? "the whole take" : `cut ${from.toFixed(2)}–${to.toFixed(2)} s`;
+    const frames = [from, to].map((time) => frameOf(time, rateOf(this.info)));
+    byId("cut").textContent = whole ? "the whole take" : `${from.toFixed(2)}–${to.toFixed(2)} s · frames ${frames[0]}–${frames[1]}`;
     byId("whole").disabled = whole;
     byId("export").textContent = whole ? "Export the take" : "Export the cut";
     byId("export").href = api.exportAddress(this.clip, start, end, byId("export-format").value);

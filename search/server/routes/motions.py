@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
 from starlette.background import BackgroundTask
@@ -18,6 +19,7 @@ from indexer.store.clips import Clip
 from search.export import joints_binary
 from search.export.cut import write_cut
 from search.query.filters import refuse_filters
+from search.ranking.variety import varied
 from search.server import response_models
 from search.server.app_state import AppState
 from search.server.exception_handlers import ANY, NO_CLIP, ok
@@ -55,14 +57,21 @@ def routes(state: AppState) -> APIRouter:
         clip: ClipsParam = [],  # noqa: B006
         offset: Annotated[int, Query(ge=0, le=10**9)] = 0,
         limit: CountParam = 24,
+        seed: Annotated[
+            int | None, Query(ge=0, le=2**31, description="A varied choice of this seed comes first.")
+        ] = None,
     ) -> Response:
-        """The clips of the library in order of their numbers, or those named by `clip` in that order, one page."""
+        """The clips in order of their numbers, varied by `seed`, or those named by `clip` in that order, one page."""
         with library.reading():
             if clip:
                 refuse_filters(given)
                 return chosen(clip, slice(offset, offset + limit))
             allowed = library.allowed(**given)
             ids = library.ids() if allowed is None else allowed
+            if seed is not None:
+                rows = library.snapshot.clips.rows
+                passing = np.flatnonzero(np.isin(rows.owners, ids))
+                ids = rows.owners[passing[varied(rows.vectors[passing], seed)]]
             clips = library.clips_by_id(ids[offset : offset + limit].tolist())
             return json_response({"total": len(ids), "motions": [document(found) for found in clips.values()]})
 

@@ -44,6 +44,8 @@ def state(page: Any) -> dict[str, str]:
 def drawn(page: Any, selector: str) -> tuple[int, int]:
     """How many pixels of a figure are drawn inside an element, and a sum that changes with them."""
     box = page.locator(selector).first.bounding_box()
+    if box is None:  # not there yet, or gone again
+        return 0, 0
     count, total = page.evaluate(_PIXELS, [box["x"], box["y"], box["width"], box["height"]])
     return count, total
 
