@@ -1,23 +1,29 @@
 """The map: a library's clips as points of a plane, similar clips close together, labelled with their nearest sentence.
 
-A sample of clips is laid out by t-SNE; every other clip is placed between the sampled ones that it is most similar to.
+A sample of clips is laid out by t-SNE, by openTSNE where it is installed (extra `map`), which takes a larger sample;
+every other clip is placed between the sampled ones that it is most similar to.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 
 import numpy as np
 from numpy.typing import NDArray
 
-from search.map.tsne import tsne
+from search.map.tsne import open_tsne, tsne
 
 Array = NDArray[np.float32]
 
-#: Clips that are laid out by t-SNE.
-_SAMPLE = 1000
+#: Clips that are laid out by t-SNE: by our own, which is quadratic, and by openTSNE (Poličar et al., 2024).
+_SAMPLE, _LARGE_SAMPLE = 1000, 20_000
 _BLOCK = 4096
+#: The part of the work that is done when the sample is laid out, for progress.
+_LAID_OUT = 0.9
+
+Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -57,9 +63,17 @@ class LibraryMap:
 
 
 def make_map(
-    generation: int, clips: NDArray[np.int64], vectors: Array, texts: Sequence[str], text_vectors: Array
+    generation: int,
+    clips: NDArray[np.int64],
+    vectors: Array,
+    texts: Sequence[str],
+    text_vectors: Array,
+    progress: Progress = lambda _: None,
 ) -> LibraryMap:
-    """The map of clips with unit vectors (N, D), labelled with the nearest of `texts`, whose vectors are (M, D)."""
+    """The map of clips with unit vectors (N, D), labelled with the nearest of `texts`, whose vectors are (M, D).
+
+    `progress` is called with the part of the work that is done, 0 to 1.
+    """
     if len(clips) == 0:
         return LibraryMap(generation, clips, np.empty((0, 2), np.float32), (), np.empty(0, np.int64))
     nearest = np.concatenate(
@@ -70,16 +84,33 @@ def make_map(
     position = np.empty(len(order), np.int64)
     position[order] = np.arange(len(order))
     labels = tuple(texts[used[i]] for i in order)
-    return LibraryMap(generation, clips, lay_out(vectors), labels, position[label.reshape(-1)])
+    return LibraryMap(generation, clips, lay_out(vectors, progress=progress), labels, position[label.reshape(-1)])
 
 
-def lay_out(vectors: Array, *, sample: int = _SAMPLE, seed: int = 0) -> Array:
-    """Points (N, 2), 0 to 1, of unit vectors (N, D)."""
-    chosen = np.random.default_rng(seed).permutation(len(vectors))[:sample]
+def lay_out(
+    vectors: Array,
+    *,
+    sample: int | None = None,
+    seed: int = 0,
+    library: bool | None = None,
+    progress: Progress = lambda _: None,
+) -> Array:
+    """Points (N, 2), 0 to 1, of unit vectors (N, D).
+
+    `library`: by openTSNE, by default where it is installed and worth it.
+    """
+    if library is None:  # a small one is laid out faster by our own
+        library = len(vectors) > _SAMPLE and find_spec("openTSNE") is not None
+    chosen = np.random.default_rng(seed).permutation(len(vectors))[: sample or (_LARGE_SAMPLE if library else _SAMPLE)]
     landmarks = vectors[chosen].astype(np.float32)
-    landmark_points = tsne(landmarks)
+
+    def laid_out(part: float) -> None:
+        progress(_LAID_OUT * part)
+
+    landmark_points = (open_tsne if library else tsne)(landmarks, progress=laid_out)
     points = np.empty((len(vectors), 2), np.float32)
     for first in range(0, len(vectors), _BLOCK):
+        progress(_LAID_OUT + (1 - _LAID_OUT) * first / len(vectors))
         points[first : first + _BLOCK] = _interpolate(vectors[first : first + _BLOCK] @ landmarks.T, landmark_points)
     points[chosen] = landmark_points
     low, high = points.min(axis=0), points.max(axis=0)

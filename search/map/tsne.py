@@ -1,6 +1,11 @@
-"""Exact t-SNE (van der Maaten and Hinton, 2008) of unit vectors, initialised with the two principal components."""
+"""t-SNE (van der Maaten and Hinton, 2008) of unit vectors, initialised with the two principal components.
+
+Our own is exact and for small numbers; openTSNE, an extra, approximates it in time linear in their number.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +16,17 @@ _PERPLEXITY = 20.0
 _ITERATIONS = 350
 #: Early exaggeration: attraction is multiplied by this in the first quarter of the iterations.
 _EXAGGERATION = 12
+#: Iterations of openTSNE, early and after, and between two reports of progress.
+_EARLY, _LATE, _REPORT = 250, 500, 10
+#: Numbers that have exact neighbours and repulsion in openTSNE.
+_SMALL = 2000
 
 
-def tsne(vectors: Array) -> Array:
-    """Points (N, 2) of unit vectors (N, D); time and memory grow with N squared, so N is at most a few thousand."""
+def tsne(vectors: Array, progress: Callable[[float], None] = lambda _: None) -> Array:
+    """Points (N, 2) of unit vectors (N, D); time and memory grow with N squared, so N is at most a few thousand.
+
+    `progress` is called with the part of the work that is done, 0 to 1.
+    """
     count = len(vectors)
     points = _principal_components(vectors)
     if count < 4:
@@ -24,6 +36,7 @@ def tsne(vectors: Array) -> Array:
     velocity, gain = np.zeros_like(points), np.ones_like(points)
     rate = max(count / 12, 20.0)
     for iteration in range(_ITERATIONS):
+        progress(iteration / _ITERATIONS)
         early = iteration < _ITERATIONS // 4
         gradient = _gradient(p * _EXAGGERATION if early else p, points)
         gain = np.clip(np.where(np.sign(gradient) != np.sign(velocity), gain + 0.2, gain * 0.8), 0.01, None)
@@ -31,6 +44,34 @@ def tsne(vectors: Array) -> Array:
         points = points + velocity
         points -= points.mean(axis=0)
     return np.asarray(points, np.float32)
+
+
+def open_tsne(vectors: Array, progress: Callable[[float], None] = lambda _: None) -> Array:
+    """As `tsne`, by openTSNE (Poličar, Stražar and Zupan, 2024), for hundreds of thousands."""
+    if len(vectors) < 10:
+        return tsne(vectors, progress)
+    from openTSNE import TSNEEmbedding
+    from openTSNE.affinity import PerplexityBasedNN
+
+    few = len(vectors) < _SMALL
+    affinities = PerplexityBasedNN(
+        vectors, perplexity=_PERPLEXITY, method="exact" if few else "annoy", n_jobs=1, random_state=0
+    )
+    initial = _principal_components(vectors)
+    initial *= 1e-4 / max(float(initial[:, 0].std()), 1e-12)
+    embedding = TSNEEmbedding(
+        initial, affinities, negative_gradient_method="bh" if few else "fft", n_jobs=1, random_state=0
+    )
+    for iterations, before, settings in (
+        (_EARLY, 0, {"exaggeration": _EXAGGERATION, "momentum": 0.5}),
+        (_LATE, _EARLY, {"momentum": 0.8}),
+    ):
+
+        def report(iteration: int, *_: object, before: int = before) -> None:
+            progress((before + iteration) / (_EARLY + _LATE))
+
+        embedding = embedding.optimize(n_iter=iterations, callbacks=[report], callbacks_every_iters=_REPORT, **settings)
+    return np.asarray(embedding, np.float32)
 
 
 def _gradient(p: Array, points: Array) -> Array:

@@ -103,7 +103,7 @@ export class Grid {
         hit.score === undefined
           ? null
           : el("p", { class: "rating" }, strengthMark(hit.strength), el("span", { class: "score", title: "cosine similarity" }, hit.score.toFixed(2))),
-        el("p", { class: "title" }, title),
+        el("h2", { class: "title" }, title),
         el("p", { class: "file", title: hit.path }, hit.path),
         el("p", { class: "facts", title: frames(hit) }, `${clock(hit.duration)} · ${span}`),
         hit.steps ? steps(hit) : null,

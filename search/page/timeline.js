@@ -7,7 +7,7 @@ import { clamp, clock, el, svg } from "./dom.js";
 import { Poses } from "./poses.js";
 
 const HEIGHT = 32;
-const EDGE = 16; // pixels beside the strip, for the handles
+const EDGE = 24; // pixels beside the strip, for the handles
 const MIN_RANGE = 0.2; // of similarity that is scaled to the full height
 const SHORTEST_CUT = 0.1;
 const MIN_VISIBLE = 20; // seconds

@@ -144,6 +144,12 @@ class StatsResponse(BaseModel):
     rigs: dict[str, int]
 
 
+class MapProgress(BaseModel):
+    generation: int
+    count: int
+    progress: float = Field(description="0 to 1")
+
+
 class MapResponse(BaseModel):
     generation: int
     clips: list[int]

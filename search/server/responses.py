@@ -45,14 +45,14 @@ def to_json(content: Any) -> bytes:
     return json.dumps(content, allow_nan=False, separators=(",", ":")).encode()
 
 
-def json_response(content: Any) -> Response:
+def json_response(content: Any, code: int = 200) -> Response:
     """A document as a response."""
-    return bytes_response(to_json(content))
+    return bytes_response(to_json(content), code)
 
 
-def bytes_response(document: bytes) -> Response:
+def bytes_response(document: bytes, code: int = 200) -> Response:
     """A document that is JSON already as a response."""
-    return Response(document, media_type="application/json", headers={"Cache-Control": "no-store"})
+    return Response(document, code, media_type="application/json", headers={"Cache-Control": "no-store"})
 
 
 def error_response(code: int, message: str) -> JSONResponse:

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from importlib.metadata import version
+from typing import Any
 
 from fastapi import APIRouter, Response
 
-from search.map import map_file
-from search.map.layout import make_map
-from search.query.vocabulary import vocabulary
 from search.server import response_models
 from search.server.app_state import AppState
 from search.server.exception_handlers import ANY, ok
-from search.server.responses import JsonAnswer, bytes_response, json_response
+from search.server.responses import bytes_response, json_response
+
+#: Seconds that a request waits for a map that is being laid out; those of small libraries are ready by then.
+_PATIENCE = 2.0
+LAYING_OUT: dict[int | str, dict[str, Any]] = {
+    202: {"model": response_models.MapProgress, "description": "The map is being laid out; ask again"}
+}
 
 
 def routes(state: AppState) -> APIRouter:
@@ -28,21 +32,11 @@ def routes(state: AppState) -> APIRouter:
             del found["folder"]
             return json_response(found | {"roots": library.root_names, "version": version("motionseek")})
 
-    @router.get("/map", responses=ok(response_models.MapResponse))
-    async def whole_map() -> Response:
+    @router.get("/map", responses=ok(response_models.MapResponse) | LAYING_OUT)
+    def whole_map() -> Response:
         """Every clip as a point of a plane, similar clips close together, with its nearest sentence."""
-        return bytes_response(await state.cached(("map",), lambda: _map(state)))
+        job = state.maps.current()
+        document = job.wait(_PATIENCE)
+        return json_response(job.status(), 202) if document is None else bytes_response(document)
 
     return router
-
-
-def _map(state: AppState) -> JsonAnswer:
-    library, snapshot = state.library, state.library.snapshot
-    folder = library.folder / "previews"
-    library_map = map_file.load(folder, snapshot.generation)
-    if library_map is None:
-        rows, texts = snapshot.clips.rows, vocabulary()
-        text_vectors = library.bundle.encode_texts(list(texts))
-        library_map = make_map(snapshot.generation, rows.owners, rows.vectors.astype("float32"), texts, text_vectors)
-        map_file.save(folder, library_map)
-    return JsonAnswer(library_map.document())

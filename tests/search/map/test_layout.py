@@ -36,6 +36,19 @@ def test_what_is_not_in_the_sample_lies_with_its_like():
     assert _same_group_nearest(layout.lay_out(vectors, sample=160), group) > 0.95
 
 
+@pytest.mark.slow
+def test_a_large_sample_is_laid_out_by_the_library_and_tells_how_far_it_is():
+    pytest.importorskip("openTSNE")
+    vectors, group = _groups(10, 30)
+    told: list[float] = []
+    points = layout.lay_out(vectors, library=True, progress=told.append)
+    assert _same_group_nearest(points, group) > 0.95
+    assert len(told) > 20
+    assert told == sorted(told)
+    assert 0 <= told[0] < told[-1] <= 1
+    assert np.isfinite(layout.lay_out(np.ones((30, 16), np.float32) / 4, library=True)).all()
+
+
 def test_a_map_is_the_same_each_time():
     vectors, _ = _groups(4, 10)
     np.testing.assert_array_equal(layout.lay_out(vectors), layout.lay_out(vectors))

@@ -140,7 +140,7 @@ def test_the_time_line_of_a_long_take_is_zoomed_and_follows_the_head(opened, tmp
         page.locator("#zoom-in").click()
         assert page.evaluate(width) == pytest.approx(4 * whole, rel=0.01)
         box = page.locator("#timeline").bounding_box()
-        page.mouse.click(box["x"] + 16 + whole / 2, page.locator(".ruler").bounding_box()["y"] + 5)
+        page.mouse.click(box["x"] + 24 + whole / 2, page.locator(".ruler").bounding_box()["y"] + 5)
         assert number(page, "#timeline .head") == pytest.approx(30, abs=1)
         page.locator("#timeline .head").focus()
         page.keyboard.press("End")
@@ -148,11 +148,86 @@ def test_the_time_line_of_a_long_take_is_zoomed_and_follows_the_head(opened, tmp
         assert box["x"] <= head["x"] <= box["x"] + box["width"]
         page.keyboard.press("0")
         assert page.evaluate(width) == pytest.approx(whole)
-        page.mouse.move(box["x"] + 16 + whole / 4, box["y"] + 10)
+        page.mouse.move(box["x"] + 24 + whole / 4, box["y"] + 10)
         page.keyboard.down("Control")
         page.mouse.wheel(0, -200)
         page.keyboard.up("Control")
         until(page, f"{width} > 2 * {whole}")
         left = page.evaluate("document.querySelector('.ruler').getBoundingClientRect().left")
-        at = (box["x"] + 16 + whole / 4 - left) / page.evaluate(width)
+        at = (box["x"] + 24 + whole / 4 - left) / page.evaluate(width)
         assert at == pytest.approx(1 / 4, abs=0.01)  # what was under the pointer still is
+
+
+def test_frames_of_the_file_are_counted_and_stepped_and_all_is_in_view(opened):
+    page = opened("clip=5&q=walks", size=(1280, 720))
+    page.wait_for_selector(_OPEN)
+    until(page, "document.querySelectorAll('.track').length === 1")
+    info = page.request.get(re.sub("#.*", "api/motions/5", page.url)).json()
+    rate, frames = info["source_fps"], info["source_frames"]
+    assert f"/ {frames - 1}" in page.locator("#time").inner_text()
+    for _ in range(3):
+        page.keyboard.press(".")
+    assert "frame 3 /" in page.locator("#time").inner_text()
+    assert page.locator("#timecode").inner_text() == "00:00:00:03"
+    assert number(page, "#timeline .head") == pytest.approx(3 / rate, abs=0.01)
+    page.locator("#before").click()
+    assert "frame 2 /" in page.locator("#time").inner_text()
+    for part in ("#big", "#play", ".ruler", ".track", "#export"):
+        box = page.locator(part).bounding_box()
+        assert box["y"] + box["height"] <= 720, part
+    page.set_viewport_size({"width": 390, "height": 844})
+    for part in ("#big", "#play", ".ruler", ".track"):
+        box = page.locator(part).bounding_box()
+        assert box["y"] + box["height"] <= 844, part
+
+
+def test_path_feet_and_poses_are_drawn(opened, tmp_path, bundle):
+    joints = np.repeat(made_motion(1.0, 1).joints[:1], 120, axis=0)
+    joints[:, :, 2] += np.interp(np.arange(120) / 20, [0, 2, 4, 6], [0, 0, 2, 2])[:, None]  # stands, slides, stands
+    np.save(tmp_path / "slides.npy", joints)
+    indexing.index(tmp_path, bundle=bundle, jobs=1)
+    with serving(tmp_path, bundle) as address:
+        page = opened("clip=1", at=address)
+        _look_at_traces(page)
+
+
+def _look_at_traces(page):
+    page.wait_for_selector(_OPEN)
+    plain = seen(page, "#big", 2000)[1]
+    page.locator("#path").check()
+    with_path = seen(page, "#big", 2000)[1]
+    page.locator("#feet").check()
+    with_feet = seen(page, "#big", 2000)[1]
+    assert len({plain, with_path, with_feet}) == 3
+    assert page.locator(".feet .left rect").count() == page.locator(".feet .right rect").count() == 2
+    inked = """(() => { const strip = document.querySelector('.poses');
+      const { data } = strip.getContext('2d').getImageData(0, 0, strip.width, strip.height);
+      return data.filter((value, i) => i % 4 === 3 && value > 200).length })()"""
+    assert page.evaluate(inked) > 1000
+    page.locator("#path").uncheck()
+    page.locator("#feet").uncheck()
+    assert seen(page, "#big", 2000)[1] == plain
+
+
+def test_a_second_clip_plays_in_step(opened):
+    page = opened("q=walks&clip=5&a=1&b=3&with=4&c=2")
+    page.wait_for_selector(_OPEN)
+    page.wait_for_selector("#second-title a")
+    seen(page, "#second", 2000)
+    until(page, "document.querySelector('#compare-with').value.startsWith('4@')")
+    before = seen(page, "#second", 2000)[1]
+    page.keyboard.press(".")
+    assert seen(page, "#second", 2000)[1] != before
+    turned = seen(page, "#second", 2000)[1]
+    box = page.locator("#big").bounding_box()
+    page.mouse.move(box["x"] + 100, box["y"] + 100)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 180, box["y"] + 100, steps=3)
+    page.mouse.up()
+    assert seen(page, "#second", 2000)[1] != turned, "both are turned together"
+    page.locator("#compare-close").click()
+    assert not page.locator("#second").is_visible()
+    assert "with" not in state(page)
+    page.locator("#compare").click()
+    page.wait_for_selector("#second-title a")
+    assert state(page)["with"] != "5"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+import threading
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from encoders.skeleton import JOINTS
 from indexer.ingest.file_parts import read_take
 from indexer.store.stored_library import StoredLibrary
 from search.export import joints_binary
+from search.server import map_job
 
 BVH, LONG, CAPTIONED = "deep er/bücken.bvh", "take 3.npy", "take 1.npy"
 
@@ -352,3 +354,26 @@ def test_a_wrong_method_is_405(client):
     response = client.delete("/api/motions/1")
     assert (response.status_code, list(response.json())) == (405, ["error"])
     assert json.loads(response.text)
+
+
+def test_a_map_that_takes_long_tells_how_far_it_is(served, monkeypatch):
+    laid_out, go_on = map_job.make_map, threading.Event()
+
+    def slow(*arguments, progress):
+        progress(0.4)
+        assert go_on.wait(60)
+        return laid_out(*arguments, progress=progress)
+
+    monkeypatch.setattr(map_job, "make_map", slow)
+    client = served()
+    waiting = client.get("/api/map")
+    assert (waiting.status_code, waiting.json()["progress"], waiting.json()["count"]) == (202, 0.4, 5)
+    go_on.set()
+    assert len(client.get("/api/map").json()["clips"]) == 5
+
+
+def test_a_varied_choice_holds_every_clip_once(ask):
+    orders = [[motion["clip"] for motion in ask("/api/motions", seed=seed)["motions"]] for seed in range(6)]
+    assert all(sorted(order) == [1, 2, 3, 4, 5] for order in orders)
+    assert len({tuple(order) for order in orders}) > 1
+    assert len(ask("/api/motions", seed=3, min_duration=7)["motions"]) == 2
