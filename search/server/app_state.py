@@ -16,7 +16,6 @@ from indexer.store.clips import Clip
 from search.hits import Hits
 from search.query.question import EncodedQuestion, Question
 from search.server.lru_cache import LruCache
-from search.server.map_job import MapJobs
 from search.server.microbatching import MicroBatcher, ServerBusy
 from search.server.prometheus import Metrics
 from search.server.responses import JsonAnswer
@@ -40,7 +39,6 @@ class AppState:
         self.edit = edit
         self.library = library
         self.uploads = UploadStore(limits)
-        self.maps = MapJobs(library)
         self.metrics = Metrics()
         self.text_batches: MicroBatcher[str, NDArray[np.float32]] = MicroBatcher(library.encode_all)
         self.search_batches: MicroBatcher[SearchRequest, Hits] = MicroBatcher(

@@ -14,7 +14,7 @@ from encoders.skeleton import JOINTS
 from indexer.ingest.file_parts import read_take
 from indexer.store.stored_library import StoredLibrary
 from search.export import joints_binary
-from search.server import map_job
+from search.server.routes import library as library_routes
 
 BVH, LONG, CAPTIONED = "deep er/bücken.bvh", "take 3.npy", "take 1.npy"
 
@@ -357,19 +357,24 @@ def test_a_wrong_method_is_405(client):
 
 
 def test_a_map_that_takes_long_tells_how_far_it_is(served, monkeypatch):
-    laid_out, go_on = map_job.make_map, threading.Event()
+    laid_out, reported, go_on = library_routes.make_map, threading.Event(), threading.Event()
 
-    def slow(*arguments, progress):
-        progress(0.4)
+    def slow(*arguments):
+        arguments[-1](0.4)
+        reported.set()
         assert go_on.wait(60)
-        return laid_out(*arguments, progress=progress)
+        return laid_out(*arguments)
 
-    monkeypatch.setattr(map_job, "make_map", slow)
+    monkeypatch.setattr(library_routes, "make_map", slow)
     client = served()
+    assert client.get("/api/map").status_code == 202
+    assert reported.wait(60)
     waiting = client.get("/api/map")
     assert (waiting.status_code, waiting.json()["progress"], waiting.json()["count"]) == (202, 0.4, 5)
     go_on.set()
-    assert len(client.get("/api/map").json()["clips"]) == 5
+    while (answer := client.get("/api/map")).status_code == 202:
+        pass
+    assert len(answer.json()["clips"]) == 5
 
 
 def test_a_varied_choice_holds_every_clip_once(ask):
