@@ -1,12 +1,12 @@
 """What `motionseek evaluate` does with a captioned data set: find its parts, the model's and the sentences', and print.
 
 A bundle encodes captions itself. A run directory has no language model: its tokens come from the data set's stored
-features, or from a language model in a folder.
+features, or from a language model by folder or name.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from itertools import chain
@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, TypeVar
 from encoders.errors import BundleError, QueryError
 from encoders.features.registry import FeatureKind, feature_kind
 from search.cli import terminal
+from search.cli.commands.model.train import require_extra
 from search.evaluate.retrieval import retrieval_tables
 from search.evaluate.retrieval.dataset_retrieval import EvaluatedModel, SentenceSimilarity, evaluate_dataset
 
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
     from encoders.protocol import Encoder
     from encoders.tmr.conversion.from_published import PublishedData
-    from encoders.tmr.text.language_model import LanguageModel
     from indexer.datasets.captioned_dataset import CaptionedDataset
 
 T = TypeVar("T")
@@ -129,29 +129,28 @@ def sentence_model(dataset: CaptionedDataset, choice: DatasetChoice) -> Sentence
 
     Raises
     ------
-    QueryError
-        If what is named is neither stored nor a folder.
+    BundleError
+        If what is named is neither stored, nor a folder, nor to be had from the hub.
     """
     from indexer.datasets.text_embeddings import StoredSentences
 
     named = choice.sentence_model
-    if named is not None and Path(named).is_dir():
-        language = _language(Path(named))
-        return SentenceSimilarity(language.name, language.embed)
     stored = StoredSentences.open(dataset.folder, named)
     texts = [entry.captions[0].text for entry in dataset.split(choice.split)]
     if stored is not None and stored.has(texts):
         return SentenceSimilarity(stored.name, stored.rows)
     if named is not None:
-        what = "lack sentences of this split" if stored is not None else "are not there"
-        raise QueryError(f"{dataset.folder}: sentence embeddings by {named!r} {what}, and {named!r} is no folder")
-    if not all(find_spec(name) for name in ("torch", "safetensors")) or not _has_packaged_model():
+        require_extra("a sentence model")
+    elif not (all(find_spec(name) for name in ("torch", "safetensors")) and _has_packaged_model()):
         return None
-    language = _language(None)
+    from encoders.tmr.text.hub import load_language
+
+    language = load_language() if named is None else load_language(named)
     return SentenceSimilarity(language.name, language.embed)
 
 
 def _of_run(choice: DatasetChoice, run: Path) -> tuple[CaptionedDataset, EvaluatedModel]:
+    require_extra("a run directory")
     from encoders.tmr.conversion.from_published import read_data
     from encoders.tmr.conversion.import_run import kind_of_run
     from encoders.tmr.conversion.run_encoder import RunEncoder
@@ -159,10 +158,10 @@ def _of_run(choice: DatasetChoice, run: Path) -> tuple[CaptionedDataset, Evaluat
     data = read_data(run)
     dataset = choice.open(kind_of_run(run, data))
     encoder = RunEncoder.load(run, choice.stats or _statistics(run, data, dataset))
-    tokens = token_features(dataset, choice.language_model or data.language_model)
+    language_model = choice.language_model or data.language_model
 
     def encode(captions: list[str]) -> NDArray[np.float32]:
-        return encoder.encode_token_features(tokens(captions))
+        return encoder.encode_token_features(token_features(dataset, language_model, captions))
 
     return dataset, EvaluatedModel(encoder.name, encoder.encode_features, encode)
 
@@ -179,34 +178,21 @@ def _statistics(run: Path, data: PublishedData, dataset: CaptionedDataset) -> Pa
         return dataset.stats
 
 
-def token_features(dataset: CaptionedDataset, name: str) -> Callable[[Sequence[str]], Sequence[NDArray[np.floating]]]:
-    """Token features of sentences by a language model: a folder, the packaged model, or stored ones.
+def token_features(dataset: CaptionedDataset, name: str, captions: Sequence[str]) -> Sequence[NDArray[np.floating]]:
+    """Token features of captions by a language model: stored ones, else by the model of that folder or name.
 
     Raises
     ------
-    QueryError
-        If they are none of these.
+    BundleError
+        If there is no such model.
     """
-    from encoders.tmr.text.language_model import DEFAULT
+    from encoders.tmr.text.hub import load_language
     from indexer.datasets.text_embeddings import StoredTokens
 
-    if Path(name).is_dir():
-        return _language(Path(name)).token_features
     stored = StoredTokens.open(dataset.folder, name)
-    if stored is not None:
-        return stored.rows
-    if name == DEFAULT:
-        return _language(None).token_features
-    raise QueryError(
-        f"{dataset.folder}: holds no token features by {name!r}; give a folder that holds the model with "
-        "--language-model"
-    )
-
-
-def _language(folder: Path | None) -> LanguageModel:
-    from encoders.tmr.text.language_model import LanguageModel
-
-    return LanguageModel.load(folder)
+    if stored is not None and stored.has(captions):
+        return stored.rows(captions)
+    return load_language(name).token_features(captions)
 
 
 def _has_packaged_model() -> bool:

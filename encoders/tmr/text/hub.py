@@ -1,4 +1,7 @@
-"""Language models by folder or name: a name is looked for in the cache of the Hugging Face hub, then on the hub."""
+"""Language models by folder or name: a name is looked for in the cache of the Hugging Face hub, then on the hub.
+
+all-MiniLM-L6-v2 is that of the installed package.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import re
 from pathlib import Path
 
 from encoders.errors import BundleError
+from encoders.tmr.text.language_model import DEFAULT, LanguageModel, packaged_folder
 
 #: What is fetched of a model: weights as plain tensors, never as pickles.
 _FILES = ("config.json", "model.safetensors", "tokenizer.json", "tokenizer_config.json", "vocab.txt")
@@ -27,6 +31,8 @@ def language_folder(named: str) -> Path:
     """
     if Path(named).is_dir():
         return Path(named)
+    if named == DEFAULT:
+        return packaged_folder()
     if not _NAME.fullmatch(named) or named.startswith("."):
         raise BundleError(f"{named}: no such folder, and no name of a language model")
     from huggingface_hub import snapshot_download
@@ -45,3 +51,9 @@ def language_folder(named: str) -> Path:
             f"({str(error).splitlines()[0][:200]}); name a folder with its config.json, model.safetensors and "
             "tokenizer.json (--language-model DIR)"
         ) from error
+
+
+def load_language(named: str = DEFAULT) -> LanguageModel:
+    """The language model of a folder or name, which cuts no sentence off; raises BundleError, see `language_folder`."""
+    folder = language_folder(named)
+    return LanguageModel.load(folder, name=folder.name if Path(named).is_dir() else named, max_tokens=None)

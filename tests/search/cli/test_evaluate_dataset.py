@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import shutil
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -95,16 +96,20 @@ def test_captions_of_parts_of_motions_are_moments(run: Run, joints: Path) -> Non
     assert printed.startswith(f"### {name}\n\n| first answer, by IoU |")
 
 
-def test_a_folder_without_a_data_set_and_a_model_of_sentences_that_is_not_there(
-    run: Run, joints: Path, tmp_path: Path
-) -> None:
+def test_a_folder_without_a_data_set_and_a_run_beside_a_model(run: Run, joints: Path, tmp_path: Path) -> None:
     ran = run("evaluate", tmp_path, "--protocol", "retrieval")
     assert (ran.code, ran.err.count("\n")) == (1, 1)
     assert "holds no data set" in ran.err
-    ran = run("evaluate", joints, "--sentence-model", "mpent")
-    assert (ran.code, ran.err.count("\n")) == (2, 1)
-    assert "by 'mpent' are not there" in ran.err
     assert run("evaluate", joints, "--run", joints, "--model", joints).code == 2
+
+
+@pytest.mark.parametrize("option", ["--run", "--sentence-model"])
+def test_without_torch_the_extra_is_named(run: Run, joints: Path, monkeypatch: pytest.MonkeyPatch, option: str) -> None:
+    monkeypatch.setitem(sys.modules, "torch", None)
+    ran = run("evaluate", joints, option, joints)
+    assert (ran.code, ran.err.count("\n")) == (1, 1)
+    assert "torch" in ran.err
+    assert "pip install '.[train]'" in ran.err
 
 
 @pytest.mark.torch
@@ -123,8 +128,11 @@ def test_a_run_directory_is_evaluated_with_the_data_sets_token_features(run: Run
     assert run("evaluate", joints, "--run", place, "--json").document == elsewhere, "those of the data set"
     write_statistics(place / STATISTICS)
     assert run("evaluate", joints, "--run", place, "--json").document == elsewhere, "those that the run names"
-    ran = run("evaluate", joints, "--run", place, "--language-model", "bert")
-    assert "no token features by 'bert'" in ran.err
+    ran = run("evaluate", joints, "--sentence-model", "./mpent")
+    assert (ran.code, ran.err.count("\n")) == (1, 1)
+    assert "mpent: no such folder, and no name" in ran.err
+    ran = run("evaluate", joints, "--run", place, "--language-model", "./bert")
+    assert "bert: no such folder, and no name" in ran.err
 
 
 def test_a_published_run_has_the_published_figures(run: Run, golden: Path) -> None:

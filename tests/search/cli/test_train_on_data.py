@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,32 @@ def test_without_a_validation_split_it_is_said_and_trained_all_the_same(run: Run
 
 
 @pytest.mark.torch
+def test_an_imported_run_has_the_figures_of_the_run(
+    run: Run, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From a data set without embeddings to a bundle that needs no torch, by the language model of a folder."""
+    pytest.importorskip("torch")
+    from tests.encoders.published_layout import write_language
+
+    monkeypatch.setenv("MOTIONSEEK_MODELS", str(tmp_path / "models"))
+    for name in ("token_embeddings", "sent_embeddings"):
+        shutil.rmtree(data / "annotations" / "toy" / name)
+    language = write_language(tmp_path / "distilbert-base-uncased", width=16)
+    train = ["model", "train", tmp_path / "run", "--data", data, "--recipe", tmp_path / "small.json"]
+    ran = run(*train, "--language-model", language)
+    assert ran.code == 0, ran.err
+    assert "tokens by distilbert-base-uncased, similarity of captions by distilbert-base-uncased" in ran.out
+    ran = run("model", "import", tmp_path / "run", "--name", "toy", "--language-model", language)
+    assert ran.code == 0, ran.err
+    of_run, of_model = (
+        run("evaluate", data, *chosen, "--sentence-model", language, "--json").document
+        for chosen in (["--run", tmp_path / "run", "--language-model", language], ["--model", "toy"])
+    )
+    assert of_run["sentence_similarity"] == "distilbert-base-uncased"
+    assert of_run["protocols"] == of_model["protocols"]
+
+
+@pytest.mark.torch
 @pytest.mark.parametrize(
     ("arguments", "code", "reason"),
     [
@@ -60,7 +87,7 @@ def test_without_a_validation_split_it_is_said_and_trained_all_the_same(run: Run
         (["--data", "DATA", "--synthetic", "2000", "--steps", "3"], 2, "--synthetic, --steps: not with --data"),
         (["--data", "DATA", "--recipe", "ODD"], 2, "has no latnet"),
         (["--data", "DATA", "--recipe", "tmr", "--features", "smpl"], 1, "'smpl' is unknown"),
-        (["--data", "DATA", "--language-model", "bert"], 2, "has no token features by 'bert'"),
+        (["--data", "DATA", "--language-model", "./bert"], 1, "bert: no such folder, and no name"),
         (["--data", "DATA", "--motions", "HERE"], 1, "is not there"),
     ],
 )

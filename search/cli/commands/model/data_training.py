@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from encoders.errors import MissingSplit, QueryError
+from encoders.errors import MissingSplit
 from search.cli import options
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from encoders.tmr.text.language_model import LanguageModel
+    from encoders.tmr.text.token_features import TokenTable
     from encoders.tmr.training.captioned_clips import CaptionedClips, TextFeatures
     from encoders.tmr.training.tmr_recipe import TMRRecipe
     from indexer.datasets.captioned_dataset import CaptionedDataset
@@ -32,7 +33,7 @@ _OPTIONS = (
     click.option("--motions", type=_FOLDER, help="With --data: the folder of its motions."),
     click.option("--stats", type=_FOLDER, help="With --data: folder of mean.pt and std.pt. [default: computed]"),
     click.option("--features", metavar="KIND", default="humanml3d", show_default=True, help="With --data: their kind."),
-    click.option("--language-model", metavar="NAME|DIR", help="With --data: stored tokens, or a model's folder."),
+    click.option("--language-model", metavar="NAME|DIR", help="With --data: stored tokens, a folder, or on the hub."),
     click.option("--sentence-model", metavar="NAME|DIR", help="With --data: of the similarity of captions, likewise."),
     click.option("--epochs", type=options.Count(1), help="With --data: epochs in all. [default: 500]"),
     click.option("--device", metavar="cpu|cuda", help="With --data. [default: cuda where there is one]"),
@@ -69,8 +70,8 @@ def train_on_dataset(run: Path, chosen: DataTraining, recipe: str | None, minute
     ------
     DatasetError
         If the data set cannot be used; the subclasses name the cause.
-    QueryError
-        If embeddings that are named are not there.
+    BundleError
+        If a language model or statistics that are named cannot be had.
     """
     from encoders.features.registry import feature_kind
     from encoders.tmr.conversion.from_published import load_stats
@@ -121,15 +122,17 @@ def text_features(
     entries: Iterable[CaptionedEntry],
     language_model: str | None,
     sentence_model: str | None,
-    cache: Path,
+    folder: Path,
 ) -> TextFeatures:
-    """Features of all captions: those stored with the data set, else by a language model, computed once into `cache`.
+    """Features of all captions: those stored with the data set, else by a language model, computed once into `folder`.
 
     Raises
     ------
-    QueryError
-        If a model that is named is neither stored nor a folder.
+    BundleError
+        If a model that is named is neither stored, nor a folder, nor to be had from the hub.
     """
+    from encoders.tmr.text.hub import load_language
+    from encoders.tmr.text.language_model import DEFAULT
     from encoders.tmr.text.token_features import TokenTable
     from encoders.tmr.training.captioned_clips import TextFeatures
     from indexer.datasets.text_embeddings import StoredSentences, StoredTokens
@@ -137,30 +140,24 @@ def text_features(
     captions = list(dict.fromkeys(caption.text for entry in entries for caption in entry.captions))
     rows = {caption: row for row, caption in enumerate(captions)}
 
-    def computed(language: LanguageModel) -> TokenTable:
-        return TokenTable(captions, language, cache)
+    @cache
+    def computed(named: str) -> tuple[str, TokenTable]:
+        language = load_language(named)
+        return language.name, TokenTable(captions, language, folder)
 
     of_tokens: Callable[[Sequence[str]], Sequence[NDArray[np.floating]]]
-    language = _named_model(language_model)
-    tokens = None if language else StoredTokens.open(dataset.folder, language_model)
-    if tokens is None or not tokens.has(captions):
-        if language is None and language_model is not None:
-            raise _not_stored(dataset, "token features", language_model, "--language-model")
-        language = language or _packaged()
-        table = computed(language)
-        name, width = language.name, language.width
-        of_tokens = _by_row(table.rows, rows)
+    stored_tokens = StoredTokens.open(dataset.folder, language_model)
+    has_tokens = stored_tokens is not None and stored_tokens.has(captions)
+    if stored_tokens is not None and has_tokens:
+        name, width, of_tokens = stored_tokens.name, stored_tokens.width, stored_tokens.rows
     else:
-        name, width, of_tokens = tokens.name, tokens.width, tokens.rows
-    other = _named_model(sentence_model)
-    stored = None if other else StoredSentences.open(dataset.folder, sentence_model)
+        name, table = computed(language_model or DEFAULT)
+        width, of_tokens = table.features.shape[1], _by_row(table.rows, rows)
+    stored = StoredSentences.open(dataset.folder, sentence_model)
     if stored is not None and stored.has(captions):
         return TextFeatures(name, width, of_tokens, stored.name, stored.rows)
-    if other is None and sentence_model is not None:
-        raise _not_stored(dataset, "sentence embeddings", sentence_model, "--sentence-model")
-    other = other or language or _packaged()
-    vectors = computed(other).sentences
-    return TextFeatures(name, width, of_tokens, other.name, _by_row(vectors.__getitem__, rows))
+    other, table = computed(sentence_model or (DEFAULT if has_tokens else language_model) or DEFAULT)
+    return TextFeatures(name, width, of_tokens, other, _by_row(table.sentences.__getitem__, rows))
 
 
 def _by_row(of_rows: Callable[[list[int]], T], rows: Mapping[str, int]) -> Callable[[Sequence[str]], T]:
@@ -174,22 +171,4 @@ def _clips(dataset: CaptionedDataset, entries: Sequence[CaptionedEntry]) -> Capt
     return CaptionedClips(
         [[caption.text for caption in entry.captions] for entry in entries],
         lambda i, c: dataset.motions.clip(entries[i], entries[i].captions[c]),
-    )
-
-
-def _named_model(name: str | None) -> LanguageModel | None:
-    from encoders.tmr.text.language_model import LanguageModel
-
-    return LanguageModel.load(Path(name)) if name is not None and Path(name).is_dir() else None
-
-
-def _packaged() -> LanguageModel:
-    from encoders.tmr.text.language_model import LanguageModel
-
-    return LanguageModel.load()
-
-
-def _not_stored(dataset: CaptionedDataset, what: str, name: str, option: str) -> QueryError:
-    return QueryError(
-        f"{dataset.folder}: has no {what} by {name!r} for all captions; give a folder that holds the model ({option})"
     )
