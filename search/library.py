@@ -44,7 +44,7 @@ from search.query.question import EncodedQuestion, Question
 from search.ranking.alignment import RERANKED, rerank_by_alignment
 from search.ranking.answers import Answer, as_hits, checked_strength
 from search.ranking.batched import batched
-from search.ranking.clip_scores import ClipScore, best_clips, rank_clips
+from search.ranking.clip_scores import ClipScore, best_clips, rank_by_window, rank_clips
 from search.ranking.description import describe_motion
 from search.ranking.late_interaction import rerank_by_tokens
 from search.ranking.text_matches import TextMatch, fused, text_matches
@@ -393,16 +393,20 @@ class Library(MarkedLibrary):
             if (start, end, fps, up) != (None, None, None, None):
                 raise ArgumentError("start, end, fps and up are for motions, and a vector is given")
             question = self._vector(ref, kind="motion")
-            found_in = self._moment_hits if moments else self._clip_hits
-            return found_in(question, k, least, allowed)
+            if moments:
+                return self._moment_hits(question, k, least, allowed)
+            return self._clip_hits(question, k, least, allowed)
         source, (start, end) = self.source(ref, fps=fps, up=up), checked_span(*span_of(ref, start, end))
-        motion, is_cut = source.comparable_cut(start, end), (start, end) != (None, None)
+        motion = source.comparable_cut(start, end)
+        is_cut = motion.duration < source.duration - 0.5 / motion.fps
         question = EncodedQuestion(self.bundle.encode_motions([motion]), kind="motion")
         if source.clip_id >= 0:
             allowed = np.setdiff1d(self.ids() if allowed is None else allowed, [source.clip_id])
-        if moments or is_cut:
-            return (self._moment_hits if moments else self._clip_hits)(question, k, least, allowed)
-        found = best_clips(self, question.vectors[0], max(k, RERANKED), allowed=allowed, windows=False)
+        if moments:
+            return self._moment_hits(question, k, least, allowed)
+        if is_cut:  # most often a part of what it is like
+            return self._clip_hits(question, k, least, allowed, by_window=True)
+        found = best_clips(self, question.vectors[0], max(k, RERANKED), allowed=allowed, whole_share=1.0)
         ranked = rerank_by_alignment(self.bundle, self, motion, found)
         sources = self._sources([score.clip_id for score in ranked])
         named = [(sources[score.clip_id], score) for score in ranked]
@@ -480,11 +484,18 @@ class Library(MarkedLibrary):
         """A query vector as a question."""
         return EncodedQuestion(unit_vector(vector, self.bundle.latent_size)[None], kind=kind)
 
-    def _clip_hits(self, question: EncodedQuestion, k: int, least: str | None, allowed: Ids | None) -> Hits:
+    def _clip_hits(
+        self, question: EncodedQuestion, k: int, least: str | None, allowed: Ids | None, *, by_window: bool = False
+    ) -> Hits:
+        """With `by_window` clips are ranked by their best window alone."""
         matches = text_matches(self, self.bundle, " ".join(question.sentences), allowed=allowed)
 
         def answers() -> Iterator[Answer]:
-            for batch in batched(self._ranked(question, allowed, matches), _REFINED):
+            if by_window:
+                ranked = rank_by_window(self, question.vectors[0], allowed=allowed)
+            else:
+                ranked = self._ranked(question, allowed, matches)
+            for batch in batched(ranked, _REFINED):
                 sources = self._sources([score.clip_id for score in batch])
                 for score in batch:
                     motion = QueriedMotion(self.bundle, sources[score.clip_id], question)

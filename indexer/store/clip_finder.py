@@ -33,6 +33,18 @@ _WRONG_STATEMENT = (
 _LARGEST_ID = 2**63 - 1
 
 
+def storable_id(id: int) -> int:
+    """The number of a clip as SQLite takes it: -1, which no clip has, where it is too large.
+
+    Raises
+    ------
+    ArgumentError
+        If it is no whole number.
+    """
+    number = checked_clip_id(id)
+    return number if abs(number) <= _LARGEST_ID else -1
+
+
 class ClipFinder(LibraryReader):
     """The indexed folders of a library and the clips in them."""
 

@@ -26,12 +26,13 @@ from encoders.protocol import Encoder
 from indexer.argument_checks import checked_clip_id, checked_encoder
 from indexer.read_motion import extent
 from indexer.store import captions, poses, schema
-from indexer.store.clip_finder import ClipFinder
+from indexer.store.clip_finder import ClipFinder, storable_id
 from indexer.store.clips import Caption
 from indexer.store.library_reader import FILE, FileId, library_folder, one_snapshot
 from indexer.store.marks import marks_table
 from indexer.store.marks.marks_table import NO_MARKS, Marks
 from indexer.store.stats import stats
+from indexer.vectors.blocks import IndexRows
 from indexer.vectors.library_indexes import CLIPS, WINDOWS, LibraryIndexes
 
 if TYPE_CHECKING:
@@ -182,12 +183,15 @@ class StoredLibrary(ClipFinder):
         UnknownClip
             If there is no such clip.
         """
-        id = self.clip(id).id
         rows = self.connection.execute(
             "SELECT texts.text, captions.start, captions.end FROM captions JOIN texts ON texts.id = captions.text_id "
+            "JOIN clips ON clips.id = captions.clip_id "
+            "JOIN files ON files.id = clips.file_id AND files.state = 'indexed' "
             "WHERE captions.clip_id = ? ORDER BY captions.id",
-            (id,),
-        )
+            (storable_id(id),),
+        ).fetchall()
+        if not rows:
+            self.clip(id)  # raises where there is none
         return list(dict.fromkeys(Caption(*row) for row in rows))
 
     @property
@@ -250,6 +254,12 @@ class StoredLibrary(ClipFinder):
         with self.reading() as connection:
             return self.indexes.current(WINDOWS, connection).search(queries, k, allowed=allowed)
 
+    def vectors_of(self, ids: NDArray[np.int64]) -> tuple[IndexRows, IndexRows]:
+        """The vectors of clips, of each as a whole, and of all their windows."""
+        with self.reading() as connection:
+            clips, windows = (self.indexes.current(kind, connection).rows_of(ids) for kind in (CLIPS, WINDOWS))
+            return clips, windows
+
     def prepare(self) -> None:
         """Bring the vector indexes and their files up to date now rather than at the next query."""
         with self.reading() as connection:
@@ -259,13 +269,15 @@ class StoredLibrary(ClipFinder):
     @one_snapshot
     def windows(self, id: int) -> list[Windows]:
         """The windows of a clip, shortest length first."""
-        clip = self.clip(id)
         rows = self.connection.execute(
-            "SELECT length, starts, vectors FROM windows WHERE clip_id = ? AND model_id = "
+            "SELECT length, duration, starts, vectors FROM windows JOIN clips ON clips.id = clip_id "
+            "JOIN files ON files.id = clips.file_id AND files.state = 'indexed' WHERE clip_id = ? AND model_id = "
             "(SELECT value FROM settings WHERE key = 'model') ORDER BY length",
-            (clip.id,),
-        )
-        return [Windows.of(length, clip.duration, starts, vectors) for length, starts, vectors in rows]
+            (storable_id(id),),
+        ).fetchall()
+        if not rows:
+            self.clip(id)  # raises where there is none
+        return [Windows.of(*row) for row in rows]
 
     @one_snapshot
     def failures(self) -> list[tuple[str, str]]:

@@ -146,6 +146,10 @@ class Block:
         places = np.repeat(last - np.cumsum(counts), counts) + np.arange(counts.sum())
         return places if self._order is None else self._order[places]
 
+    def vectors_of(self, rows: NDArray[np.int64]) -> NDArray[np.float16]:
+        """The vectors (n, D) of some rows."""
+        return self.rows.vectors[rows]
+
     def search(self, queries: NDArray[np.float32], k: int, mask: Mask | None) -> SearchResult:
         """The k best rows by inner product, of those in the mask; see `FaissIndex.search`."""
         import faiss
@@ -201,6 +205,13 @@ class MaskedBlock:
             return self
         mask = self.mask or Mask.of(np.ones(len(self.block), np.bool_))
         return MaskedBlock(self.block, mask.without(rows))
+
+    def rows_of(self, owners: NDArray[np.int64]) -> IndexRows:
+        """The rows of some owners that are not removed."""
+        rows = self.block.rows_of(owners)
+        if self.mask is not None:
+            rows = rows[self.mask.bits[rows >> 3] >> (rows & 7) & 1 > 0]
+        return IndexRows(self.block.owners[rows], self.block.spans[rows], self.block.vectors_of(rows))
 
     def search(self, queries: NDArray[np.float32], k: int, allowed: NDArray[np.int64] | None) -> SearchResult:
         """The k best rows of the allowed owners, None for all."""

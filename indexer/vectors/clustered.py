@@ -9,6 +9,7 @@ Vectors without any clusters, random ones or those of an untrained model, are wh
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
@@ -60,6 +61,15 @@ class ClusteredBlock(Block):
                 places = faiss.rev_swig_ptr(lists.get_ids(cluster), count)
                 codes = faiss.rev_swig_ptr(lists.get_codes(cluster), count * size * 2)
                 yield places, codes.view(np.float16).reshape(count, size)
+
+    def vectors_of(self, rows: NDArray[np.int64]) -> NDArray[np.float16]:
+        """See `Block.vectors_of`; the first call makes a table of the place of every row."""
+        return np.asarray(self._direct.reconstruct_batch(rows), np.float16)
+
+    @cached_property
+    def _direct(self) -> Any:
+        self.index.make_direct_map()
+        return self.index
 
     def search(self, queries: NDArray[np.float32], k: int, mask: Mask | None) -> SearchResult:
         """See `Block.search`."""

@@ -116,6 +116,10 @@ class FaissIndex:
         compact = not self._added and self._main.mask is None
         return self if compact else FaissIndex.of(self.generation, self.rows)
 
+    def rows_of(self, owners: NDArray[np.int64]) -> IndexRows:
+        """All rows of some owners."""
+        return IndexRows.join([part.rows_of(owners) for part in (self._main, *self._added)])
+
     def search(self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None) -> SearchResult:
         """See `VectorIndex.search`."""
         size = self.size if len(self) else np.shape(queries)[-1]  # an empty index takes vectors of any size

@@ -28,6 +28,9 @@ class VectorIndex(Protocol):
     def update(self, generation: int, *, remove: NDArray[np.int64], add: IndexRows) -> Self:
         """An index without the rows of the owners in `remove`, and then with the rows of `add`."""
 
+    def rows_of(self, owners: NDArray[np.int64]) -> IndexRows:
+        """All rows of some owners."""
+
     def search(self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None) -> SearchResult:
         """The k best rows by inner product for queries (Q, D): scores, owners, starts, ends, each (Q, k), best first.
 

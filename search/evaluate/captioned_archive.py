@@ -12,6 +12,7 @@ from encoders.corpus.composition.captioned_motion import CaptionedTake
 from encoders.errors import QueryError
 from encoders.metrics import ranks
 from encoders.protocol import Encoder
+from search.evaluate.gallery import Gallery
 from search.query.encoding import encode_queries
 from search.ranking.hubness import hubness_penalty
 
@@ -49,7 +50,7 @@ class CaptionReport:
 
 
 def evaluate_captions(takes: Iterable[CaptionedTake], encoder: Encoder) -> CaptionReport:
-    """Query with each description and each caption of its files; the gallery is all files, each as a whole.
+    """Query with each description and each caption of its files; the gallery is all files, scored as search does.
 
     A file is right for a description if its owner described it so, in whatever rig. Files described as "unknown" stay
     in the gallery and give no queries.
@@ -68,16 +69,16 @@ def evaluate_captions(takes: Iterable[CaptionedTake], encoder: Encoder) -> Capti
             known += [caption for span in take.spans for caption in span.captions if caption not in known]
     if not captions:
         raise QueryError("no take of that split can be read and has a description; see docs/evaluation.md")
-    gallery = encoder.encode_motions([take.motion for take in takes])
+    gallery = Gallery(encoder, [take.motion for take in takes])
     found = {}
     for description, texts in captions.items():
-        similarity = encode_queries(encoder, texts) @ gallery.T
+        similarity = gallery.scores(encode_queries(encoder, texts))
         right = np.broadcast_to(descriptions == description, similarity.shape)
         found[description] = ranks(similarity, right).tolist()
     plain = encoder.encode_texts([text for texts in captions.values() for text in texts])
     about = np.repeat(list(captions), [len(texts) for texts in captions.values()])
     files = np.flatnonzero(np.isin(descriptions, about))
-    cosines = gallery[files] @ plain.T
+    cosines = gallery.whole[files] @ plain.T
     ranked, by_cosine = (
         _mean_over_groups(about[scores.argmax(axis=1)] == descriptions[files], descriptions[files])
         for scores in (cosines - hubness_penalty(encoder, plain), cosines)

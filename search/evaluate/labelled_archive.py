@@ -11,6 +11,7 @@ from encoders.errors import QueryError
 from encoders.metrics import average_precision
 from encoders.protocol import Encoder
 from indexer.datasets.labelled_clips import LabelledClips
+from search.evaluate.gallery import Gallery
 from search.query.encoding import encode_queries
 from search.ranking.hubness import hubness_penalty
 
@@ -67,18 +68,18 @@ def evaluate_labels(archive: LabelledClips, encoder: Encoder) -> LabelReport:
     queries = {label: texts for label, texts in archive.queries.items() if label in archive.labels}
     if not queries:
         raise QueryError("no readable clip has a label with a query; see docs/evaluation.md")
-    gallery = encoder.encode_motions(archive.motions)
+    gallery = Gallery(encoder, archive.motions)
     texts = [text for row in queries.values() for text in row]
     text_labels = [label for label, row in queries.items() for _ in row]
     precisions: dict[str, list[float]] = {label: [] for label in queries}
-    for label, scores in zip(text_labels, encode_queries(encoder, texts) @ gallery.T, strict=True):
+    for label, scores in zip(text_labels, gallery.scores(encode_queries(encoder, texts)), strict=True):
         precisions[label].append(average_precision(scores, labels == label))
     # Sentences for a motion are ranked as `describe` ranks them: without paraphrases, less their hubness.
     plain = encoder.encode_texts(texts)
     return LabelReport(
         precisions,
         {label: int((labels == label).sum()) for label in queries},
-        _confusion(plain @ gallery.T - hubness_penalty(encoder, plain)[:, None], text_labels, labels),
+        _confusion(plain @ gallery.whole.T - hubness_penalty(encoder, plain)[:, None], text_labels, labels),
         archive.unreadable,
     )
 

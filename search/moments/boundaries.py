@@ -16,7 +16,7 @@ _DIP = 0.1
 #: Gain beyond the ends of the motion and where a higher moment begins: nothing makes up for it.
 _NEVER = -1e3
 #: Seconds on either side of a peak that are looked at first; four times as many while a moment goes on.
-_REACH = 30.0
+_REACH = 10.0
 #: Peaks that are grown at once.
 _PEAKS = 256
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.protocol import Encoder, unrelated_motions
+from encoders.protocol import Encoder
 from search.moments.window_scores import Vectors, WindowScores, similarity_over_time
 from search.query.question import EncodedQuestion
 from search.source import MotionSource
@@ -60,21 +60,16 @@ class QueriedMotion:
 
         This motion's own would mislead where one action fills it.
         """
-        own, unrelated = self.windows[0].scores.min(axis=0), self._unrelated
+        own, unrelated = self.windows[0].scores.min(axis=0), self.question.unrelated(self.encoder)
         level = float(np.median(own))
         return level if unrelated is None else min(level, float(np.median(unrelated.min(axis=0))))
 
     @cached_property
     def step_levels(self) -> list[float]:
         """The `background_level` of each query by itself (Q,)."""
-        alone = (replace(self.question, vectors=query[None]) for query in self.queries)
-        return [replace(self, question=question).background_level for question in alone]
-
-    @cached_property
-    def _unrelated(self) -> Vectors | None:
-        """Similarity (Q, M) of the model's unrelated motions; None where the model carries none."""
-        motions = unrelated_motions(self.encoder)
-        return None if motions is None else np.asarray(self.queries @ motions.T)
+        levels, unrelated = np.median(self.windows[0].scores, axis=1), self.question.unrelated(self.encoder)
+        lower = levels if unrelated is None else np.minimum(levels, np.median(unrelated, axis=1))
+        return [float(level) for level in lower]
 
     @cached_property
     def similarity(self) -> Vectors:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.arguments import checked_flag, checked_sentences
 from encoders.errors import QueryError
-from encoders.protocol import Encoder
+from encoders.protocol import Encoder, unrelated_motions
 from search.query.encoding import encode_queries
 from search.query.steps import split
 
@@ -92,3 +92,12 @@ class EncodedQuestion:
     sentences: tuple[str, ...] = ()
     how: str = "alone"
     kind: str = "sentence"
+    _unrelated: list[tuple[Encoder, NDArray[np.float32] | None]] = field(default_factory=list, init=False, repr=False)
+
+    def unrelated(self, encoder: Encoder) -> NDArray[np.float32] | None:
+        """Similarity (S, M) to the model's unrelated motions; None where it carries none. Computed once."""
+        if not self._unrelated or self._unrelated[-1][0] is not encoder:
+            motions = unrelated_motions(encoder)
+            found = None if motions is None else np.asarray(self.vectors @ motions.T, np.float32)
+            self._unrelated.append((encoder, found))
+        return self._unrelated[-1][1]

@@ -18,7 +18,7 @@ from search.spans import Moment
 #: The degrees of strength, the least first.
 DEGREES = (WEAK, PLAUSIBLE, STRONG)
 #: So many answers in a row that are too weak end the list.
-_PATIENCE = 10
+_PATIENCE = 5
 
 
 def checked_strength(value: object) -> str | None:

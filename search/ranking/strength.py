@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.protocol import Encoder, unrelated_motions
+from encoders.protocol import Encoder
 from search.hits import PLAUSIBLE, STRONG, WEAK
 from search.query.known_words import Words, out_of_vocabulary_share
 from search.query.question import EncodedQuestion
@@ -25,9 +25,9 @@ _DOWNGRADED_FROM = 0.5
 _DOWNGRADED = {STRONG: PLAUSIBLE, PLAUSIBLE: WEAK}
 
 
-def background_level(query: ArrayLike, background: ArrayLike) -> tuple[float, float]:
-    """The 95th percentile and the standard deviation of what unrelated motions (M, D) score for a unit vector (D,)."""
-    against = np.asarray(background, np.float32) @ np.asarray(query, np.float32)
+def background_level(unrelated: ArrayLike) -> tuple[float, float]:
+    """The 95th percentile and the standard deviation of what unrelated motions score for a query (M,)."""
+    against = np.asarray(unrelated, np.float64)
     return float(np.percentile(against, 95)), max(float(against.std()), 1e-3)
 
 
@@ -77,11 +77,11 @@ class Judge:
     """Says how strong the hits of one question are; see `judge`."""
 
     def __init__(self, encoder: Encoder, question: EncodedQuestion) -> None:
-        calibration, background = encoder.calibration or {}, unrelated_motions(encoder)
-        self._coefficients = calibration.get(f"{question.kind}_coefficients") if background is not None else None
-        if background is None or self._coefficients is None:
+        calibration, unrelated = encoder.calibration or {}, question.unrelated(encoder)
+        self._coefficients = calibration.get(f"{question.kind}_coefficients") if unrelated is not None else None
+        if unrelated is None or self._coefficients is None:
             return
-        self._levels = [background_level(query, background) for query in question.vectors]
+        self._levels = [background_level(scores) for scores in unrelated]
         words = calibration.get("words")
         self._downgrades = words is not None and any(is_out_of_vocabulary(text, words) for text in question.sentences)
 

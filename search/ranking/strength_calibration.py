@@ -143,5 +143,6 @@ def _top_hits(
         np.fill_diagonal(similarity, -np.inf)
     best = np.argsort(-similarity, axis=1)[:, : min(_HITS, len(gallery) - skip_self)]
     scores = np.take_along_axis(similarity, best, axis=1)
-    statistics = [score_statistics(s, background_level(q, background)) for q, s in zip(queries, scores, strict=True)]
+    against = queries @ background.astype(np.float32).T
+    statistics = [score_statistics(s, background_level(b)) for s, b in zip(scores, against, strict=True)]
     return np.concatenate(statistics), np.take_along_axis(right, best, axis=1).ravel()

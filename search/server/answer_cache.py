@@ -1,7 +1,7 @@
-"""The answer cache: an answer stays valid while the library grows, until an added row could change it.
+"""The answer cache: an answer stays valid while the library grows, until an added clip could change it.
 
-An answer holds the best clips for a query vector. A clip or a window that is added later and scores less than the last
-of them cannot change it, and the scores of a batch of added rows for all cached queries are one matrix product.
+An answer holds the best clips for a query vector. A clip that is added later and scores less than the last of them
+cannot change it, and the scores of a batch of added clips for all cached queries are few matrix products.
 """
 
 from __future__ import annotations
@@ -18,13 +18,10 @@ from search.server.responses import JsonAnswer
 
 Vectors = NDArray[np.float32]
 
-#: Added rows that are scored at once.
-_BLOCK = 1024
-
 
 @dataclass(frozen=True)
 class StaleCriterion:
-    """What makes an answer stale: an added row that scores at least `threshold` for `query`, or a clip with the words.
+    """What makes an answer stale: an added clip that scores at least `threshold` for `query`, or a clip with the words.
 
     Attributes
     ----------
@@ -67,15 +64,20 @@ class AnswerCache:
             self._generation = generation
             self._answers.clear()
 
-    def grow(self, generation: int, added: Vectors, has_words: Callable[[Sequence[str]], bool]) -> None:
+    def grow(
+        self,
+        generation: int,
+        highest: Callable[[Vectors], NDArray[np.floating]],
+        has_words: Callable[[Sequence[str]], bool],
+    ) -> None:
         """Invalidate the answers that become stale by a growth in which no clip was removed or changed.
 
         To be called before anything is answered from `generation`; concurrent reads are safe.
 
         Parameters
         ----------
-        added : float32 array (N, D)
-            The vectors of added clips and windows.
+        highest : callable
+            Queries (Q, D) -> the highest score (Q,) of an added clip.
         has_words : callable
             Whether an added clip has all of some words.
         """
@@ -86,17 +88,9 @@ class AnswerCache:
             return
         queries = np.stack([criterion.query for _, criterion in cached])
         thresholds = np.array([criterion.threshold for _, criterion in cached])
-        stale = _best_scores(queries, added) >= thresholds
+        stale = highest(queries) >= thresholds
         self._answers.drop(
             key
             for (key, criterion), is_stale in zip(cached, stale.tolist(), strict=True)
             if is_stale or has_words(criterion.words)
         )
-
-
-def _best_scores(queries: Vectors, rows: Vectors) -> Vectors:
-    """The best score (Q,) of rows (N, D) for each query (Q, D); minus infinity where there are no rows."""
-    best = np.full(len(queries), -np.inf, np.float32)
-    for first in range(0, len(rows), _BLOCK):
-        np.maximum(best, (queries @ rows[first : first + _BLOCK].T).max(axis=1), out=best)
-    return best

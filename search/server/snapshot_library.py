@@ -23,6 +23,7 @@ from encoders.protocol import Encoder
 from indexer.store.clips import Caption, Clip
 from indexer.store.library_reader import FileId
 from indexer.store.marks.marks_table import Marks
+from indexer.vectors.blocks import IndexRows
 from indexer.vectors.faiss_index import FaissIndex
 from indexer.vectors.library_indexes import CLIPS, WINDOWS
 from search.hits import Hits
@@ -30,6 +31,7 @@ from search.library import Library
 from search.query.encoding import encode_queries
 from search.query.filters import FilterArguments
 from search.query.question import EncodedQuestion, Question
+from search.ranking.clip_scores import highest_scores
 from search.ranking.text_matches import words_of
 from search.server.added_text import AddedText
 from search.server.answer_cache import AnswerCache, StaleCriterion
@@ -188,9 +190,9 @@ class SnapshotLibrary(Library):
         elif self._is_outdated(before):
             self._replace(before, new)
         else:
-            added = [self.indexes.since(kind, self.connection, before.generation).vectors for kind in (CLIPS, WINDOWS)]
+            added = [self.indexes.since(kind, self.connection, before.generation) for kind in (CLIPS, WINDOWS)]
             has_words = AddedText(self.connection, before.newest).has
-            self.answer_cache.grow(new.generation, np.concatenate(added).astype(np.float32), has_words)
+            self.answer_cache.grow(new.generation, lambda queries: highest_scores(queries, *added), has_words)
             self._snapshot = new
         self._error = None
 
@@ -204,7 +206,7 @@ class SnapshotLibrary(Library):
         self.answer_cache.clear(new.generation)
 
     def stale_criterion(self, request: SearchRequest, hits: Hits) -> StaleCriterion:
-        """What makes an answer stale: an added row that scores as much as its last hit, or a clip of its words."""
+        """What makes an answer stale: an added clip that scores as much as its last hit, or has its words."""
         threshold = hits[-1].score - _ROUNDING if len(hits) == request.k else -np.inf
         words = words_of(" ".join(request.question.sentences))
         return StaleCriterion(request.question.vectors[0], threshold, tuple(words))
@@ -236,6 +238,10 @@ class SnapshotLibrary(Library):
     ) -> tuple[Vectors, NDArray[np.int64], Vectors, Vectors]:
         """See `Library.nearest_windows`."""
         return self.snapshot.windows.search(queries, k, allowed=allowed)
+
+    def vectors_of(self, ids: Ids) -> tuple[IndexRows, IndexRows]:
+        """See `Library.vectors_of`."""
+        return self.snapshot.clips.rows_of(ids), self.snapshot.windows.rows_of(ids)
 
     def ids(self, where: str = "", values: Sequence[Any] = ()) -> Ids:
         """See `Library.ids`."""

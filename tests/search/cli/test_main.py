@@ -195,12 +195,7 @@ def test_without_a_library_a_file_must_be_there(run: Run, tmp_path: Path, monkey
     assert "this is a folder" in run("describe", ".").err
 
 
-def test_an_exported_archive_is_a_clip_again(
-    indexed: Path, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(
-        "search.ranking.clip_scores.WINDOW_MARGIN", 0.0
-    )  # all scores of a model of random weights lie within it
+def test_an_exported_archive_is_a_clip_again(indexed: Path, run: Run, tmp_path: Path) -> None:
     run("export", "take 3", tmp_path / "cut.npz", "--start", 2, "--end", 5, "--library", indexed)
     cut = (tmp_path / "cut.npz", "--start", 0)  # of a cut, also what is like a part of a clip
     assert run("similar", *cut, "--library", indexed, "--json", "-k", 1).document["hits"][0]["path"] == "take 3.npy"

@@ -1,4 +1,4 @@
-"""Clip scores: a clip scores as its best window or its whole, and windows of one clip do not overlap."""
+"""Clip scores: a clip scores as a whole and by its best windows, and windows of one clip do not overlap."""
 
 from __future__ import annotations
 
@@ -9,10 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from encoders.bundle.windows import LENGTHS
+from indexer.vectors.blocks import IndexRows
 from search.ranking.clip_scores import (
-    WINDOW_MARGIN,
+    WHOLE_SHARE,
     ClipScore,
     best_clips,
+    clip_scores,
+    highest_scores,
     rank_candidate_clips,
     rank_windows,
 )
@@ -45,6 +49,16 @@ class Gallery:
         columns = np.array([(r[0], r[1], r[2]) for r in rows] + [(-1, 0, 0)], float)[order]
         return scores, columns[..., 0].astype(int), columns[..., 1], columns[..., 2]
 
+    def vectors_of(self, ids: np.ndarray) -> tuple[IndexRows, IndexRows]:
+        shown = [i for i in reversed(self.clip_scores) if i in ids]
+        rows = [row for row in self.rows if row[0] in ids]
+        return self._rows([(i, 0, 9, self.clip_scores[i]) for i in shown]), self._rows(rows)
+
+    @staticmethod
+    def _rows(rows: Any) -> IndexRows:
+        owners, spans = np.array([r[0] for r in rows], np.int64), np.array([r[1:3] for r in rows], np.float32)
+        return IndexRows(owners, spans.reshape(-1, 2), np.array([_unit(r[3]) for r in rows], np.float32).reshape(-1, 2))
+
     @staticmethod
     def _best(queries: np.ndarray, k: int, named: list[tuple[int, float]]) -> tuple[np.ndarray, np.ndarray]:
         vectors = np.array([_unit(cosine) for _, cosine in named]).reshape(-1, 2)
@@ -63,21 +77,34 @@ def _windows(gallery: Gallery, k: int) -> list[ClipScore]:
     return list(islice(rank_windows(gallery, QUERY), k))
 
 
-def test_a_short_action_in_a_long_clip_is_found_and_named() -> None:
-    gallery = Gallery({1: 0.5, 2: 0.2}, [(1, 0, 2, 0.5), (2, 30, 32, 0.9)])
-    first, second = _ask(gallery, 2)
-    assert (first.clip_id, first.start, first.end) == (2, 30, 32)
-    assert (second.clip_id, second.start) == (1, None)
+def expected(gallery: Gallery, clip: int, share: float = WHOLE_SHARE) -> float:
+    """The definition, written out."""
+    whole, best = gallery.clip_scores[clip], dict.fromkeys(LENGTHS, -1.0)
+    for owner, start, end, cosine in gallery.rows:
+        length = min(LENGTHS, key=lambda length: abs(length - (end - start)))
+        best[length] = max(best[length], cosine) if owner == clip else best[length]
+    return share * whole + (1 - share) * float(np.mean([whole if best[n] == -1 else best[n] for n in LENGTHS]))
 
 
-def test_a_window_that_is_hardly_better_is_not_its_score() -> None:
-    gallery = Gallery({1: 0.5}, [(1, 0, 2, 0.5 + WINDOW_MARGIN / 2)])
-    assert _ask(gallery, 1) == [ClipScore(1, pytest.approx(0.5))]
+def test_a_clip_that_is_wholly_about_it_comes_before_one_that_is_partly() -> None:
+    gallery = Gallery({1: 0.5, 2: 0.2, 3: 0.1}, [(1, 0, 1.6, 0.5), (2, 30, 31.6, 0.6), (3, 5, 6.6, 0.2)])
+    assert [e.clip_id for e in _ask(gallery, 3)] == [1, 2, 3]
+
+
+def test_a_window_of_each_length_counts_and_where_there_is_none_the_whole() -> None:
+    gallery = Gallery({1: 0.4}, [(1, 0, 1.6, 0.6), (1, 3, 4.6, 0.9), (1, 2, 5.2, 0.7)])
+    assert _ask(gallery, 1)[0].score == pytest.approx(0.5 * 0.4 + 0.5 * (0.9 + 0.7 + 0.4) / 3)
+    assert _ask(gallery, 1, whole_share=0.0)[0].score == pytest.approx((0.9 + 0.7 + 0.4) / 3)
+    assert _ask(gallery, 1, whole_share=1.0)[0].score == pytest.approx(0.4)
+
+
+def test_a_short_clip_counts_by_its_only_window() -> None:
+    assert _ask(Gallery({1: 0.4}, [(1, 0, 0.7, 0.4)]), 1)[0].score == pytest.approx(0.4)
 
 
 def test_one_clip_with_many_windows_does_not_keep_others_out() -> None:
-    crowd = [(1, i * 0.1, i * 0.1 + 2, 0.9) for i in range(500)]
-    gallery = Gallery({1: 0.1, 2: 0.1, 3: 0.1}, [*crowd, (2, 0, 2, 0.5), (3, 0, 2, 0.4)])
+    crowd = [(1, i * 0.1, i * 0.1 + 1.6, 0.9) for i in range(5000)]
+    gallery = Gallery({1: 0.1, 2: 0.1, 3: 0.1}, [*crowd, (2, 0, 1.6, 0.5), (3, 0, 1.6, 0.4)])
     assert [e.clip_id for e in _ask(gallery, 3)] == [1, 2, 3]
 
 
@@ -87,33 +114,47 @@ def _galleries() -> Iterator[Gallery]:
         rng = np.random.default_rng(seed)
         count, spread = 30 + 20 * seed, (0.01, 0.1, 0.5)[seed % 3]
         clip_scores = {i: float(0.4 + spread * rng.uniform()) for i in range(count)}
-        crowd = [(0, i * 0.1, i * 0.1 + 2, 0.41 + spread) for i in range(60 * (seed % 4))]
+        crowd = [(0, i * 0.1, i * 0.1 + 1.6, 0.41 + spread) for i in range(60 * (seed % 4))]
         heights = 0.4 + spread * rng.uniform(size=4 * count)
-        yield Gallery(clip_scores, crowd + [(i % count, i, i + 2, float(score)) for i, score in enumerate(heights)])
+        lengths = rng.choice(LENGTHS, len(heights))
+        windows = [(i % count, i, i + n, float(h)) for i, (n, h) in enumerate(zip(lengths, heights, strict=True))]
+        yield Gallery(clip_scores, crowd + windows)
 
 
-@pytest.mark.parametrize("windows", [True, False])
-def test_the_first_clips_do_not_depend_on_how_many_are_asked_for(windows: bool) -> None:
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_the_first_clips_do_not_depend_on_how_many_are_asked_for(share: float) -> None:
     for gallery in _galleries():
-        many = _ask(gallery, len(gallery), windows=windows)
+        many = _ask(gallery, len(gallery), whole_share=share)
         assert sorted(e.clip_id for e in many) == sorted(gallery.clip_scores)
         assert many == sorted(many, key=lambda e: (-e.score, e.clip_id))
         for k in (1, 3, 10, 25):
-            assert _ask(gallery, k, windows=windows) == many[:k]
+            assert _ask(gallery, k, whole_share=share) == many[:k]
 
 
-def test_a_clip_counts_as_its_whole_unless_a_window_is_clearly_better() -> None:
-    for gallery in _galleries():
-        windows = {clip: max(r[3] for r in gallery.rows if r[0] == clip) for clip in gallery.clip_scores}
-        for e in _ask(gallery, 10):
-            whole, window = gallery.clip_scores[e.clip_id], windows[e.clip_id]
-            assert e.score == pytest.approx(window if window > whole + WINDOW_MARGIN else whole, abs=1e-5)
+def test_every_score_is_that_of_its_definition_and_none_that_is_higher_is_missed() -> None:
+    for gallery in list(_galleries())[:12]:
+        truth = {clip: expected(gallery, clip) for clip in gallery.clip_scores}
+        found = _ask(gallery, 10)
+        assert [e.score for e in found] == pytest.approx(sorted(truth.values(), reverse=True)[:10], abs=1e-5)
+        assert [e.score for e in found] == pytest.approx([truth[e.clip_id] for e in found], abs=1e-5)
+
+
+def test_the_highest_scores_of_added_clips() -> None:
+    queries = np.array([[1, 0], [0, 1]], np.float32)
+    for gallery in list(_galleries())[:3]:
+        rows = gallery.vectors_of(np.array(list(gallery.clip_scores)))
+        assert highest_scores(queries, *rows).tolist() == pytest.approx(
+            clip_scores(queries, *rows).max(axis=1).tolist()
+        )
+    nothing = gallery.vectors_of(np.array([], np.int64))
+    assert highest_scores(queries, *nothing).tolist() == [-np.inf, -np.inf]
 
 
 def test_few_rows_are_fetched_for_few_clips() -> None:
-    gallery = Gallery(dict.fromkeys(range(3000), 0.0), [(i, 0, 2, 0.9 - i / 4000) for i in range(3000)])
+    heights = {i: 0.9 - i / 4000 for i in range(3000)}
+    gallery = Gallery(heights, [(i, 0, 1.6, height) for i, height in heights.items()])
     _ask(gallery, 10)
-    assert gallery.most_asked < 300
+    assert gallery.most_asked < 1000
 
 
 def test_only_allowed_clips_answer() -> None:

@@ -18,7 +18,9 @@ def _unit(rows: np.ndarray) -> np.ndarray:
 
 
 def judge(bundle: MeanEncoder, query: np.ndarray, scores: Any, *sentences: str) -> list[str]:
-    return strength.judge(bundle, EncodedQuestion(query[None], sentences), np.reshape(scores, (-1, 1)))
+    return strength.judge(
+        bundle, EncodedQuestion(query[None].astype(np.float32), sentences), np.reshape(scores, (-1, 1))
+    )
 
 
 @pytest.fixture
@@ -37,7 +39,7 @@ def test_a_query_near_everything_needs_a_higher_score(bundle: MeanEncoder) -> No
     away = _unit(np.ones(64))
     score = 0.25
     near, far = (
-        strength.score_statistics(score, strength.background_level(q, bundle.calibration["motions"]))[1]
+        strength.score_statistics(score, strength.background_level(bundle.calibration["motions"] @ q))[1]
         for q in (near_everything, away)
     )
     assert near < far

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,12 @@ from search.server.responses import JsonAnswer
 from search.server.snapshot_library import SnapshotLibrary
 from tests.search.conftest import made_motion
 
-NONE = np.zeros((0, 2), np.float32)
 EAST, NORTH = np.array([1, 0], np.float32), np.array([0, 1], np.float32)
+
+
+def highest(added: list[list[float]]) -> Callable[[np.ndarray], np.ndarray]:
+    """The highest score of clips with these vectors."""
+    return lambda queries: np.max([np.full(len(queries), -np.inf), *(queries @ row for row in added)], axis=0)
 
 
 def two_answers() -> AnswerCache:
@@ -34,9 +39,9 @@ def two_answers() -> AnswerCache:
     ("added", "valid"),
     [([], "en"), ([[0.5, 0.5]], "en"), ([[0.6, 0.1]], "n"), ([[0.1, 0.2], [0.0, 1.0]], "e"), ([[1, 0], [0, 1]], "")],
 )
-def test_an_added_row_that_scores_as_much_as_the_last_hit_invalidates(added: list[list[float]], valid: str) -> None:
+def test_an_added_clip_that_scores_as_much_as_the_last_hit_invalidates(added: list[list[float]], valid: str) -> None:
     answers = two_answers()
-    answers.grow(2, np.array(added, np.float32).reshape(-1, 2), lambda words: False)
+    answers.grow(2, highest(added), lambda words: False)
     assert [name for name in ("east", "north") if answers.get(name)] == [
         name for name in ("east", "north") if name[0] in valid
     ]
@@ -44,7 +49,7 @@ def test_an_added_row_that_scores_as_much_as_the_last_hit_invalidates(added: lis
 
 def test_an_answer_of_an_older_generation_is_not_cached() -> None:
     answers = two_answers()
-    answers.grow(2, NONE, lambda words: False)
+    answers.grow(2, highest([]), lambda words: False)
     answers.put("late", JsonAnswer("l"), StaleCriterion(EAST, 0.0), 1)
     assert answers.get("late") is None
     assert len(answers) == 2
