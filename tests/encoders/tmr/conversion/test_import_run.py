@@ -16,7 +16,8 @@ pytestmark = pytest.mark.torch
 
 from encoders.bundle.bundle import Bundle  # noqa: E402
 from encoders.errors import BundleError, MotionSeekWarning  # noqa: E402
-from encoders.tmr.conversion.from_published import MODULES, load_run  # noqa: E402
+from encoders.motion import Motion  # noqa: E402
+from encoders.tmr.conversion.from_published import MODULES, load_run, read_config  # noqa: E402
 from encoders.tmr.conversion.import_run import import_run  # noqa: E402
 from encoders.tmr.model.network import TMR, TMRConfig  # noqa: E402
 from encoders.tmr.text.language_model import LanguageModel  # noqa: E402
@@ -248,3 +249,24 @@ def test_a_run_without_its_decoder_is_imported(published, imported, tmp_path):
     assert load_run(run).motion_decoder is None
     bundle, _ = import_small(run, tmp_path / "bundle", published, stats=published / STATISTICS)
     assert bundle.fingerprint == imported.fingerprint
+
+
+@pytest.mark.parametrize(("stated", "features"), [("rifke", None), ("joints-of-ours", "rifke")])
+def test_a_run_on_another_kind_of_features_is_imported(published, tmp_path, stated, features):
+    torch.manual_seed(0)
+    run = write_run(
+        tmp_path / "run",
+        data__motion_loader__base_dir=f"datasets/motions/{stated}",
+        data__motion_loader__fps=12.5,
+        data__motion_loader__nfeats=67,
+        model__motion_encoder__nfeats=67,
+        model__motion_decoder__nfeats=67,
+    )
+    network = TMR(read_config(run))
+    for module in MODULES:
+        torch.save(getattr(network, module).state_dict(), run / "last_weights" / f"{module}.pt")
+    write_statistics(tmp_path / "stats", 67)
+    bundle, _ = import_small(run, tmp_path / "bundle", published, stats=tmp_path / "stats", features=features)
+    motion = Motion(np.random.default_rng(0).normal(size=(40, 22, 3)))
+    assert (bundle.feature_kind, bundle.fps, bundle.features(motion).shape) == ("rifke", 12.5, (25, 67))
+    assert bundle.encode_motions([motion]).shape == (1, 64)
