@@ -33,11 +33,12 @@ function filled(node, attributes, children) {
 /** `document.getElementById`. @param {string} id @returns {any} */
 export const byId = (id) => document.getElementById(id);
 
-/** A duration as text: `4.2 s`, `3:07`. @param {number} seconds */
+/** A duration as text: `4.2 s`, `3:07`, `1:27:40`. @param {number} seconds */
 export function clock(seconds) {
   if (seconds < 60) return `${seconds.toFixed(1)} s`;
   const whole = Math.round(seconds);
-  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`;
+  const [hours, minutes] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60];
+  return [...(hours ? [hours, String(minutes).padStart(2, "0")] : [minutes]), String(whole % 60).padStart(2, "0")].join(":");
 }
 
 /** @param {number} value @param {number} low @param {number} high */

@@ -10,7 +10,7 @@ const PAGE = 24;
 const MOST = 200; // hits of one request
 const MAX_OFFSET = 200; // of moments and similar clips
 const SLOW = 150; // milliseconds until it is said what takes so long
-const SUGGESTIONS = ["a person walks forward", "someone waves with the right hand", "running and then jumping", "a person kicks a ball", "sits down on a chair", "climbs up a ladder", "dances happily"];
+const SUGGESTIONS = ["a person walks forward", "someone waves with the right hand", "running and then jumping", "a person kicks a ball", "sits down on a chair", "climbs up a ladder"];
 
 /** Of the choice that is shown where nothing is asked: another one at each visit. */
 let seed = crypto.getRandomValues(new Uint16Array(1))[0];
@@ -143,11 +143,11 @@ async function answer(state, offset, count, signal) {
   if (state.q && state.moments) {
     const { hits, sentences, how } = await api.moments(state.q, given, count, offset, signal);
     const steps = sentences ? ` (${sentences.length} steps, ${how === "while" ? "at the same time" : "one after the other"})` : "";
-    return { hits, message: counted(hits, "moment", state.q) + steps, total: MAX_OFFSET };
+    return { hits, message: counted(hits, "moment", state.q, count) + steps, total: MAX_OFFSET };
   }
   if (state.q) {
     const { hits } = await api.search(state.q, given, count, offset, signal);
-    return { hits, message: counted(hits, "clip", state.q), total: Infinity };
+    return { hits, message: counted(hits, "clip", state.q, count), total: Infinity };
   }
   const { motions, total } = await api.motions(given, count, offset, seed, signal);
   const seconds = motions.reduce((sum, { duration }) => sum + duration, 0);
@@ -168,12 +168,12 @@ async function selected(state, offset, count, signal) {
 
 const plural = (/** @type {number} */ n, /** @type {string} */ thing) => `${n.toLocaleString("en")} ${thing}${n === 1 ? "" : "s"}`;
 
-/** @param {import("./api.js").Hit[]} hits @param {string} thing @param {string} q */
-function counted(hits, thing, q) {
+/** @param {import("./api.js").Hit[]} hits @param {string} thing @param {string} q @param {number} asked how many were asked for */
+function counted(hits, thing, q, asked) {
   const sure = hits.filter(({ strength }) => strength === "strong" || strength === "plausible").length;
   if (!hits.length) return `Nothing found for “${q}”`;
   const things = (/** @type {number} */ n) => plural(n, thing);
-  if (sure && sure === hits.length) return `${things(sure)} or more for “${q}”`;
+  if (sure && sure === hits.length) return `${things(sure)}${sure < asked ? "" : " or more"} for “${q}”`;
   if (sure) return `${things(sure)} for “${q}”, followed by weak matches`;
   return `The nearest ${things(hits.length)} to “${q}”`;
 }
