@@ -98,6 +98,7 @@ class Library(MarkedLibrary):
         captions: str | Caption | Sequence[str | Caption] = (),
         *,
         fps: float | None = None,
+        up: str | None = None,
     ) -> int:
         """Add a motion as a clip, without any file; a clip of the same id is replaced. The clip's number.
 
@@ -110,9 +111,10 @@ class Library(MarkedLibrary):
         captions : str, Caption, or sequence of them
         fps : float, optional
             Frames a second of an array; 20 if not given.
-
+        up : str, optional
+            The axis that is up in an array, "x", "y", "z", "-x", "-y" or "-z"; found by itself if not given.
         """
-        return self.add_many([NewClip(id, motion, captions, fps)])[0]
+        return self.add_many([NewClip(id, motion, captions, fps, up)])[0]
 
     def add_many(self, clips: Iterable[NewClip]) -> list[int]:
         """Add clips as `add` does, encoded in batches; their numbers, in order.

@@ -19,7 +19,7 @@ from encoders.arguments import finite_number, is_text, shown
 from encoders.errors import ArgumentError, UnknownClip, UnreadableMotion
 from encoders.motion import FPS, Motion, joint_array
 from encoders.protocol import Encoder
-from indexer.argument_checks import checked_rate
+from indexer.argument_checks import checked_rate, checked_up
 from indexer.formats.numpy_files.array_layouts import SMPL
 from indexer.ingest.caption_files import MAX_TEXT
 from indexer.ingest.encode import captions_without_vectors, encode, insert_caption_vectors, use_model
@@ -54,12 +54,15 @@ class NewClip:
         One string is one caption.
     fps : float, optional
         Frames a second of an array, 20 if not given; a `Motion` has its own.
+    up : str, optional
+        The axis that is up in an array, one of `UP_AXES`; found by itself if not given.
     """
 
     id: str
     motion: Motion | ArrayLike
     captions: str | Caption | Sequence[str | Caption] = ()
     fps: float | None = None
+    up: str | None = None
 
 
 def add(folder: Path, items: Iterable[NewClip], encoder: Encoder) -> list[int]:
@@ -128,8 +131,10 @@ def to_motion(
         If the array has another shape, values that are not finite, or the shape of no body; if the frame rate is not
         a number, or given for a `Motion` that has another.
     """
-    rate = checked_rate(fps, f"{name}: fps")
+    rate, axis = checked_rate(fps, f"{name}: fps"), checked_up(up)
     if isinstance(motion, Motion):
+        if axis not in (None, "y"):
+            raise ArgumentError(f"{name}: up={up!r}: a Motion is Y up; give up with an array only")
         if rate not in (None, motion.fps):
             raise ArgumentError(
                 f"{name}: fps={fps} is not the motion's own {motion.fps:g}; give fps with an array only"
@@ -141,7 +146,7 @@ def to_motion(
     except (TypeError, ValueError, RuntimeError) as error:  # RuntimeError: a tensor that cannot become an array
         raise ArgumentError(f"{name}: a Motion or an array of joints (T, 22, 3) is needed; {error}") from None
     try:
-        read, reading = retarget_with_reading(SMPL.take(joints, rate).with_up(up), path=name)
+        read, reading = retarget_with_reading(SMPL.take(joints, rate).with_up(axis), path=name)
     except UnreadableMotion as error:
         raise ArgumentError(str(error)) from None
     return ReadMotion(read, reading=reading if up is None else replace(reading, up_reason="given"))
@@ -152,7 +157,7 @@ def _batches(items: Iterable[NewClip]) -> Iterator[_Batch]:
     for item in items:
         if not isinstance(item, NewClip):
             raise ArgumentError(f"clips must be a list of NewClip, not of {type(item).__name__}")
-        batch.append((_record(item.id), _rows(item), to_motion(item.motion, item.fps, name=item.id)))
+        batch.append((_record(item.id), _rows(item), to_motion(item.motion, item.fps, name=item.id, up=item.up)))
         if len(batch) >= _BATCH_CLIPS or sum(len(read.motion) for *_, read in batch) >= _BATCH_FRAMES:
             yield batch
             batch = []

@@ -11,7 +11,7 @@ from encoders.errors import UnreadableMotion
 from encoders.geometry import Array, unit
 from indexer.rigs.joint_names import name_words, vocabulary
 from indexer.rigs.landmarks import Landmarks
-from indexer.rigs.mapping import RigMap
+from indexer.rigs.mapping import SIDES, RigMap
 from indexer.rigs.topology import ancestry, children
 from indexer.take import Take
 
@@ -20,14 +20,16 @@ _PARALLEL = 0.8  # cosine between arms and legs
 _REACH = 0.3  # leg lengths within which hands or feet are at one height
 _LONG, _JOINTS = 0.7, 3  # leg lengths and joints that a leg has at least
 _APART = 0.15  # leg lengths by which mirrored legs may differ
-_TAIL = "tail"
+_TAIL, _WINGS = "tail", {"wing", "wings"}
+_ARM = [f"{side}_{joint}" for side in SIDES for joint in ("shoulder", "elbow", "wrist")]
 
 
 def check_human(take: Take, rig: RigMap, path: str | PathLike[str]) -> None:
     """Refuse a figure that is no person.
 
     A rest pose that shows a level trunk on four legs, or with a tail, is an animal's; one on more than two legs is an
-    animal's or a machine's. What a person does in the movement does not matter, nor do tails, wings and capes.
+    animal's or a machine's, and one whose arms are wings a bird's. What a person does in the movement does not matter,
+    nor do tails, wings beside arms, and capes.
 
     Raises
     ------
@@ -35,6 +37,9 @@ def check_human(take: Take, rig: RigMap, path: str | PathLike[str]) -> None:
         With what is seen.
     """
     rest = Landmarks.of(take.rest[None], rig)
+    arm = {word for mark in _ARM for word in name_words(take.names[rig.joints[mark]])}
+    if _WINGS & arm:
+        raise UnreadableMotion(path, "not a human figure: its arms are wings")
     size = rest.leg_length
     if not np.isfinite(size) or size < 1e-9:
         return

@@ -25,6 +25,10 @@ LEG = ("hip", "knee", "ankle", "toe")
 ARM = ("collar", "shoulder", "elbow", "wrist")
 TRUNK = ("neck", "head")
 SIDES = ("left", "right")
+_NOBODY = (
+    "no joint found for any part of a body: not a human figure, or its joints have unknown names;"
+    " name them (joint_map=, --joint-map)"
+)
 ESSENTIAL = tuple(f"{side}_{joint}" for joint in (*LEG[:3], *ARM[1:]) for side in SIDES)
 
 #: What finding a role is worth, against what its names cost.
@@ -80,7 +84,7 @@ def map_rig(take: Take, path: str | PathLike[str], joint_map: Mapping[str, str] 
     if rig.missing == ["head"]:
         rig = RigMap({**rig.joints, **head_above(take, rig.joints)})
     if rig.missing:
-        raise UnknownRig(path, rig.missing)
+        raise UnknownRig(path, rig.missing, _NOBODY if len(rig.missing) >= len(ESSENTIAL) else None)
     return replace(rig, spine=_spine(take, rig.joints))
 
 

@@ -62,6 +62,12 @@ def test_clips_are_added_without_files_and_found(place, bundle):
         np.testing.assert_allclose(vectors, bundle.encode_texts(texts), atol=1e-3)
 
 
+def test_the_axis_of_an_array_may_be_given(place, bundle):
+    add(place, [NewClip(axis, moving(1, 4.0), up=axis) for axis in ("y", "z")], bundle)
+    with StoredLibrary.open(place) as library:
+        assert [(clip.path, clip.up, clip.up_reason) for clip in library.clips()] == [(a, a, "given") for a in "yz"]
+
+
 def test_an_array_is_read_as_a_file_of_it_would_be(tmp_path):
     path = tmp_path / "a.npy"
     joints = moving(3, fps=30) * 100  # centimetres
@@ -192,6 +198,8 @@ def test_batches_are_committed_as_they_fill(place, bundle, monkeypatch):
         (NewClip("a", moving(1), fps=float("nan")), "fps=nan"),
         (NewClip("a", moving(1), fps="20"), "fps='20'"),
         (NewClip("a", motion(1), fps=30), "not the motion's own 20"),
+        (NewClip("a", motion(1), up="z"), "a Motion is Y up"),
+        (NewClip("a", moving(1), up="upwards"), "must be one of x, y, z"),
         (NewClip("a", motion(1), captions=[3]), "captions must be strings"),
         (NewClip("a", motion(1), captions=3), "captions must be strings"),
         (NewClip("a", motion(1), captions="x" * 3000), "at most 2000 characters"),

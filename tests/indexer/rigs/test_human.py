@@ -59,11 +59,24 @@ def leg(name: str, x: float, z: float, height: float = 0.9, parent: str = "mixam
     return [(own, above, place) for own, above, place in zip(names, [parent, *names], places, strict=False)]
 
 
+def person_with_wings_for_arms() -> list[Joint]:
+    """A bird that stands upright, without a tail."""
+    return [
+        (
+            name.replace("ForeArm", "Wing2").replace("Arm", "Wing1"),
+            parent.replace("ForeArm", "Wing2").replace("Arm", "Wing1"),
+            place,
+        )
+        for name, parent, place in person()
+    ]
+
+
 ANIMALS = {
     "dog": beast("{}UpperArm {}Forearm {}Hand", "{}Thigh {}Calf {}Foot"),
     "horse named as a person": beast("{}Arm {}ForeArm {}Hand", "{}UpLeg {}Leg {}Foot", size=2.5, tail=False),
     "quadruped robot": beast("{}Shoulder {}Elbow {}Wrist", "{}Hip {}Knee {}Ankle", tail=False),
     "centaur": person(*leg("HindLegL", 0.15, -0.8), *leg("HindLegR", -0.15, -0.8)),
+    "bird": person_with_wings_for_arms(),
     "spider": person(
         *[joint for k, z in enumerate((0.5, -0.5)) for x in (0.5, -0.5) for joint in leg(f"b{k}{x}", x, z)]
     ),
@@ -94,6 +107,12 @@ PEOPLE = {
 def test_an_animal_is_refused(animal: str) -> None:
     with pytest.raises(UnreadableMotion, match="not a human figure"):
         retarget(take(ANIMALS[animal]), path="x.bvh")
+
+
+def test_a_car_holds_no_body() -> None:
+    wheels = [(f"Wheel{x}{z}", "Car", (x, 0.3, z)) for x in (0.8, -0.8) for z in (1.2, -1.2)]
+    with pytest.raises(UnreadableMotion, match="any part of a body: not a human figure"):
+        retarget(take([("Car", "", (0, 0.5, 0)), *wheels]), path="x.bvh")
 
 
 @pytest.mark.parametrize("prop", PEOPLE)
