@@ -17,6 +17,7 @@ from encoders.errors import BundleError, QueryError
 from encoders.features.registry import FeatureKind, feature_kind
 from search.cli import terminal
 from search.cli.commands.model.train import require_extra
+from search.cli.progress import progress_bar
 from search.evaluate.retrieval import retrieval_tables
 from search.evaluate.retrieval.dataset_retrieval import EvaluatedModel, SentenceSimilarity, evaluate_dataset
 
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
     from indexer.datasets.captioned_dataset import CaptionedDataset
 
 T = TypeVar("T")
-
-_EVERY = 1024
 
 
 @dataclass(frozen=True)
@@ -65,7 +64,11 @@ def print_retrieval(choice: DatasetChoice, encoder: Encoder | None, run: Path | 
     else:
         assert encoder is not None
         dataset, model = choice.open(kind_of(encoder)), EvaluatedModel.of_encoder(encoder)
-    report = evaluate_dataset(dataset, choice.split, model, sentence_model(dataset, choice), progress=_progress)
+    sentences = sentence_model(dataset, choice)
+    with progress_bar("motions") as show:
+        report = evaluate_dataset(
+            dataset, choice.split, model, sentences, progress=lambda done, total: show(done, total, "")
+        )
     if format == "json":
         terminal.document(report.as_dict())
     elif format == "csv":
@@ -203,8 +206,3 @@ def _has_packaged_model() -> bool:
     except BundleError:
         return False
     return True
-
-
-def _progress(done: int, total: int) -> None:
-    if done % _EVERY == 0 and done < total:
-        terminal.note(f"{done} of {total} motions encoded")

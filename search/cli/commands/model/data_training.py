@@ -31,7 +31,7 @@ _FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
 _OPTIONS = (
     click.option("--data", type=_FOLDER, help="A captioned data set, to train on by TMR's recipe."),
     click.option("--motions", type=_FOLDER, help="With --data: the folder of its motions."),
-    click.option("--stats", type=_FOLDER, help="With --data: folder of mean.pt and std.pt. [default: computed]"),
+    click.option("--stats", type=_FOLDER, help="With --data: folder of mean.pt and std.pt."),
     click.option("--features", metavar="KIND", default="humanml3d", show_default=True, help="With --data: their kind."),
     click.option("--language-model", metavar="NAME|DIR", help="With --data: stored tokens, a folder, or on the hub."),
     click.option("--sentence-model", metavar="NAME|DIR", help="With --data: of the similarity of captions, likewise."),
@@ -92,10 +92,12 @@ def train_on_dataset(run: Path, chosen: DataTraining, recipe: str | None, minute
         held_out = []
     texts = text_features(dataset, [*entries, *held_out], chosen.language_model, chosen.sentence_model, run)
     clips = _clips(dataset, entries)
-    place = chosen.stats or (run / "stats" if (run / "stats" / "std.pt").is_file() else None)
+    begun = run / "stats" if (run / "stats" / "std.pt").is_file() else None
+    place = chosen.stats or begun or dataset.stats
     stats = load_stats(place, kind.size) if place is not None else statistics(clips)
     device = chosen.device or best_device()
     click.echo(f"{len(clips)} motions of {dataset.name}, {len(held_out)} to validate on; on {device}")
+    click.echo(f"statistics of the features: {place or 'of the split train'}")
     click.echo(f"tokens by {texts.language_model}, similarity of captions by {texts.sentence_model}")
     training = TMRTraining(run, settings, kind, clips, texts, stats, device)
     training.run(_clips(dataset, held_out) if held_out else None, minutes=minutes, say=click.echo)
