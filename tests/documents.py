@@ -22,6 +22,7 @@ LANGUAGES = {"bash", "python", "json", "js", "text"}
 ONLY_PARSED = {
     "serve": "runs until it is ended",
     "evaluate": "asks for a labelled archive, or for minutes",
+    "judge": "asks for motions of a generator",
     "model train": "needs torch, and hours",
     "model release": "needs finished runs",
     "model import": "needs a published run",

@@ -36,6 +36,7 @@ COMMANDS = {
     "tag": "search.cli.commands.tag",
     "evaluate": "search.cli.commands.evaluate",
     "model": "search.cli.commands.model.group",
+    "judge": "search.cli.commands.generated.judge",
     "demo": "search.cli.commands.demo",
 }
 #: What other programs call a command.
