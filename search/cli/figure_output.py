@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import csv
-import sys
 from collections.abc import Callable, Sequence
 from typing import Any, Literal, TypeVar
 
 import click
 
 from search.cli import terminal
+from search.evaluate.row_formats import csv_text, latex_row
 
 Form = Literal["table", "json", "csv", "latex"]
 FORMS: tuple[Form, ...] = ("table", "json", "csv", "latex")
 F = TypeVar("F", bound=Callable[..., Any])
-
-_SPECIAL = str.maketrans({c: f"\\{c}" for c in "&%$#_{}"} | {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}",
-                                                              "\\": r"\textbackslash{}", "±": r"$\pm$"})  # fmt: skip
 
 
 def form_option(command: F) -> F:
@@ -40,10 +36,9 @@ def print_rows(columns: Sequence[str], rows: Sequence[Sequence[str]], document: 
     if form == "json":
         terminal.document(document)
     elif form == "csv":
-        csv.writer(sys.stdout, lineterminator="\n").writerows([columns, *rows])
+        print(csv_text(columns, rows), end="")
     elif form == "latex":
         print("% " + " & ".join(columns))
-        for row in rows:
-            print(" & ".join(cell.translate(_SPECIAL) for cell in row) + r" \\")
+        print("".join(map(latex_row, rows)), end="")
     else:
         terminal.table(columns, rows, right=columns[1:])

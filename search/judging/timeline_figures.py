@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -14,6 +12,7 @@ from numpy.typing import NDArray
 from encoders.metrics import ranks
 from encoders.motion import FPS, Motion
 from encoders.protocol import Encoder
+from search.evaluate.row_formats import csv_text
 from search.judging.encoded_motions import EncodedMotions
 from search.judging.generated_figures import Comparison, Figures, Missing, drawn_figures, fixed_figures
 from search.judging.judgement import REPEATS, Judgement, averaged
@@ -151,8 +150,5 @@ def _rows(
 
 def crop_table(rows: Sequence[CropFigures]) -> str:
     """The crops as CSV."""
-    text = io.StringIO()
-    table = csv.DictWriter(text, list(CropFigures.__dataclass_fields__), lineterminator="\n")
-    table.writeheader()
-    table.writerows(row.as_dict() for row in rows)
-    return text.getvalue()
+    columns = list(CropFigures.__dataclass_fields__)
+    return csv_text(columns, (list(row.as_dict().values()) for row in rows))

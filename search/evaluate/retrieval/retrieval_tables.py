@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator
 
 from search.evaluate.retrieval.dataset_retrieval import RetrievalReport
 from search.evaluate.retrieval.protocols import WAYS
+from search.evaluate.row_formats import csv_text, latex_row
 
 FIGURES = ("R@1", "R@2", "R@3", "R@5", "R@10", "MedR")
 COLUMNS = ("protocol", "footing", "gallery", "direction", *FIGURES)
 _CONTEXT = ("model", "dataset", "split", "sentence_similarity", "dissimilar_subset")
-_SPECIAL = {"\\": r"\textbackslash{}", **{sign: f"\\{sign}" for sign in "&%$#_{}"}}
 
 
 def table_rows(report: RetrievalReport) -> Iterator[tuple[str, ...]]:
@@ -37,12 +35,9 @@ def summary(report: RetrievalReport) -> list[str]:
 
 def as_csv(report: RetrievalReport) -> str:
     """The table with a header line; every line names model, data set, split and where its figures come from."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
     values = report.as_dict()
-    writer.writerow((*_CONTEXT, *COLUMNS))
-    writer.writerows((*(values[name] or "" for name in _CONTEXT), *row) for row in table_rows(report))
-    return out.getvalue()
+    context = [values[name] or "" for name in _CONTEXT]
+    return csv_text((*_CONTEXT, *COLUMNS), ((*context, *row) for row in table_rows(report)))
 
 
 def as_latex(report: RetrievalReport) -> str:
@@ -52,9 +47,5 @@ def as_latex(report: RetrievalReport) -> str:
     for row in report.rows:
         figures = (f"{row.figures[way][name]:.2f}" for way in WAYS for name in FIGURES)
         lines.append(f"% {row.protocol}, {row.footing}, gallery {row.gallery}")
-        lines.append(f"{_escaped(report.model)} & {' & '.join(figures)} \\\\")
+        lines.append(latex_row([report.model, *figures]).rstrip())
     return "\n".join(lines) + "\n"
-
-
-def _escaped(text: str) -> str:
-    return "".join(_SPECIAL.get(sign, sign) for sign in text)

@@ -34,9 +34,9 @@ _BESIDE = "motions.tsv"
 @click.option("--labels", type=_FILE, help="Labels that are recognised, one a line; labels on a line are synonyms.")
 @click.option("--timelines", type=_FILE, help="Time lines that the motions were generated for, as of STMC's data set.")
 @click.option("--crops", type=click.Path(dir_okay=False, path_type=Path), help="Write every crop of --timelines here.")
-@click.option("--repeats", type=click.IntRange(2), default=20, show_default=True, help="Random draws of one FOLDER.")
+@click.option("--repeats", type=options.Count(2), default=20, show_default=True, help="Random draws of one FOLDER.")
 @click.option("--seed", type=click.IntRange(0), default=0, help="Of the random draws.")
-@click.option("--bundle", "place", type=_FOLDER, help="Another evaluator's folder.")
+@options.model
 @form_option
 @options.force
 def judge(
@@ -48,7 +48,7 @@ def judge(
     crops: Path | None,
     repeats: int,
     seed: int,
-    place: Path | None,
+    model: str | None,
     form: Form,
     force: bool,
 ) -> None:
@@ -64,7 +64,7 @@ def judge(
       motionseek judge seed_1/ seed_2/ seed_3/ --texts texts/ --references real/ --format latex
       motionseek judge generated/ --timelines timelines.txt --references clips.tsv --crops crops.csv
     """
-    from encoders.bundle.bundle import Bundle
+    from encoders.bundle.known_models import load_model
     from search.judging.judgement import judge as judge_motions
     from search.judging.motion_table import read_folder
 
@@ -75,7 +75,7 @@ def judge(
             raise click.UsageError("--timelines takes one FOLDER, without --texts and --labels")
         if crops is not None:
             options.refuse_overwriting(crops, force)
-        _timelines(folders[0], timelines, references, crops, Bundle.load(place), seed, form)
+        _timelines(folders[0], timelines, references, crops, load_model(model), seed, form)
         return
     if references is not None and not references.is_dir():
         raise QueryError(f"{references}: references are a folder of motions; a table goes with --timelines")
@@ -83,7 +83,7 @@ def judge(
     sets = [read_folder(folder, texts or _beside(folder)) for folder in folders]
     _same_names(folders, sets)
     real = None if references is None else read_folder(references, _beside(references))
-    found = judge_motions(sets, real, Bundle.load(place), labels=known, synonyms=synonyms, repeats=repeats, seed=seed)
+    found = judge_motions(sets, real, load_model(model), labels=known, synonyms=synonyms, repeats=repeats, seed=seed)
     _print(found, form, {})
 
 
