@@ -22,6 +22,8 @@ LANGUAGES = {"bash", "python", "json", "js", "text"}
 ONLY_PARSED = {
     "serve": "runs until it is ended",
     "evaluate": "asks for a labelled archive, or for minutes",
+    "generate": "needs a model with a decoder",
+    "model decoder": "needs torch, and an hour",
     "judge": "asks for motions of a generator",
     "model train": "needs torch, and hours",
     "model release": "needs finished runs",

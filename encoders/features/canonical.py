@@ -68,7 +68,7 @@ _TRUNK_JOINTS = [INDEX[n] for n in ("left_hip", "right_hip", "left_shoulder", "r
 _LEG = slice(4, 8)  # thighs and shanks among the limbs
 
 # Metres; what the target skeleton does not state is an average adult's with such legs.
-_HIP, _SHOULDER, _TRUNK, _HEAD = 0.1, 0.18, 0.48, 0.2
+HIP, _SHOULDER, _TRUNK, _HEAD = 0.1, 0.18, 0.48, 0.2
 _SIDES = np.array([[1], [-1]], np.float32)
 _LOOKING_AHEAD = np.array([0, 0.98, 0.2], np.float32)
 _SOLE_HEIGHTS = np.array([0.08, 0.08, 0, 0], np.float32)
@@ -150,7 +150,7 @@ def _points(up: Array, hips: Array, shoulders: Array, head: Array, limbs: Array)
     shoulder = up + np.float32(_SHOULDER) * _SIDES * shoulders[..., None, :]
     elbow = shoulder + limbs[..., 0:2, :]
     wrist = elbow + limbs[..., 2:4, :]
-    knee = np.float32(_HIP) * _SIDES * hips[..., None, :] + limbs[..., 4:6, :]
+    knee = np.float32(HIP) * _SIDES * hips[..., None, :] + limbs[..., 4:6, :]
     ankle = knee + limbs[..., 6:8, :]
     foot = ankle + limbs[..., 8:10, :]
     return np.concatenate(

@@ -37,6 +37,7 @@ COMMANDS = {
     "evaluate": "search.cli.commands.evaluate",
     "model": "search.cli.commands.model.group",
     "judge": "search.cli.commands.generated.judge",
+    "generate": "search.cli.commands.generated.generate",
     "demo": "search.cli.commands.demo",
 }
 #: What other programs call a command.

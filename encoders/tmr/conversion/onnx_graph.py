@@ -15,115 +15,18 @@ from typing import Any
 import numpy as np
 import onnx
 from numpy.typing import NDArray
-from onnx import TensorProto, helper, numpy_helper
+from onnx import TensorProto
 from torch import Tensor, nn
 
-from encoders.tmr.conversion.quantise import MIDDLE, int4_rows, int8_rows
-from encoders.tmr.model.network import EncoderLayer, SentenceHead, TransformerEncoder
+from encoders.tmr.conversion.graph_builder import GraphBuilder
+from encoders.tmr.model.network import SentenceHead, TransformerEncoder, TransformerLayer
 from encoders.tmr.text.language_model import LanguageLayer, LanguageNetwork
 
-OPSET = 20
-IR_VERSION = 10
-
-#: Matrices with fewer numbers stay in floating point: they weigh nothing and their error would.
-_SMALLEST = 2048
-#: Numbers of an output channel that share a scale; one scale for the whole channel moves MiniLM's vectors three times
-#: as far (1 - cosine of 100 sentence embeddings: 4.7e-4 against 1.6e-4 on average).
-_BLOCK = 64
 _MASKED = -1e9
 
 
-class GraphBuilder:
-    """Builds an ONNX graph; every method adds nodes and returns the name of their output."""
-
-    def __init__(self, *, int8: bool) -> None:
-        self._int8 = int8
-        self._nodes: list[onnx.NodeProto] = []
-        self._weights: list[TensorProto] = []
-        self._constants: dict[tuple[Any, ...], str] = {}
-
-    def add(self, operator: str, *inputs: str, outputs: int = 1, **attributes: Any) -> Any:
-        """One node; the name of its output, or a list of them where it has several."""
-        names = [f"{operator.lower()}_{len(self._nodes)}" + (f"_{i}" if outputs > 1 else "") for i in range(outputs)]
-        self._nodes.append(helper.make_node(operator, inputs, names, **attributes))
-        return names[0] if outputs == 1 else names
-
-    def constant(self, values: Any, dtype: Any = np.int64) -> str:
-        """A constant of any shape; equal ones are stored once."""
-        array = np.asarray(values, dtype)
-        key = (array.dtype.str, array.shape, array.tobytes())
-        if key not in self._constants:
-            self._constants[key] = self._store(array, "constant")
-        return self._constants[key]
-
-    def matrix(self, weight: Tensor) -> str:
-        """A weight matrix (out, in); int8 is dequantised when the runtime loads it."""
-        array = weight.detach().numpy()
-        if not self._int8 or array.size < _SMALLEST:
-            return self._store(array, "weight")
-        block = _BLOCK if array.shape[1] % _BLOCK == 0 else array.shape[1]
-        values, scales = int8_rows(array.reshape(-1, block))
-        rows = self.add("DequantizeLinear", self._store(values, "int8"), self._store(scales, "scale"), axis=0)
-        return str(self.add("Reshape", rows, self.constant(array.shape)))
-
-    def rows(self, table: Tensor, indices: str) -> str:
-        """Rows of an embedding table (V, D) at indices (A, B); of 4 bits, only these rows are dequantised."""
-        array = table.detach().numpy()
-        if not self._int8:
-            return self.add("Gather", self._store(array, "table"), indices)
-        width = array.shape[1]
-        block = _BLOCK if width % _BLOCK == 0 else width
-        packed, scales = int4_rows(array, block)
-        pairs = self.add("Gather", self._store(packed, "table"), indices)
-        low = self.add("BitwiseAnd", pairs, self.constant([15], np.uint8))
-        high = self.add("BitShift", pairs, self.constant([4], np.uint8), direction="RIGHT")
-        steps = self.add("Cast", self.add("Concat", low, high, axis=2), to=TensorProto.FLOAT)
-        centred = self.add("Sub", steps, self.constant(MIDDLE, np.float32))
-        blocks = self.add("Reshape", centred, self.constant([0, 0, -1, block]))
-        scale = self.add("Cast", self.add("Gather", self._store(scales, "scale"), indices), to=TensorProto.FLOAT)
-        scaled = self.add("Mul", blocks, self.add("Unsqueeze", scale, self.constant([3])))
-        return str(self.add("Reshape", scaled, self.constant([0, 0, width])))
-
-    def linear(self, x: str, weight: Tensor, bias: Tensor) -> str:
-        """x (N, in) -> (N, out)."""
-        return self.add("Gemm", x, self.matrix(weight), self.constant(bias.detach().numpy(), np.float32), transB=1)
-
-    def norm(self, x: str, layer: nn.LayerNorm) -> str:
-        """Layer normalisation over the last axis."""
-        scale, bias = (self.constant(p.detach().numpy(), np.float32) for p in (layer.weight, layer.bias))
-        return self.add("LayerNormalization", x, scale, bias, epsilon=layer.eps)
-
-    def size(self, x: str, axis: int) -> str:
-        """The length of an axis, shape (1,)."""
-        return self.add("Shape", x, start=axis, end=axis + 1)
-
-    def shape(self, *sizes: str | int) -> str:
-        """A shape out of numbers and of names of sizes."""
-        parts = [size if isinstance(size, str) else self.constant([size]) for size in sizes]
-        return self.add("Concat", *parts, axis=0)
-
-    def model(self, name: str, inputs: dict[str, tuple[int, Sequence[Any]]], output: str, size: int) -> onnx.ModelProto:
-        """The graph as a checked model whose one output, `latent`, is (batch, size)."""
-        self._nodes.append(helper.make_node("Identity", [output], ["latent"]))
-        graph = helper.make_graph(
-            self._nodes,
-            name,
-            [helper.make_tensor_value_info(key, kind, shape) for key, (kind, shape) in inputs.items()],
-            [helper.make_tensor_value_info("latent", TensorProto.FLOAT, ["batch", size])],
-            self._weights,
-        )
-        model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", OPSET)], ir_version=IR_VERSION)
-        onnx.checker.check_model(model)
-        return model
-
-    def _store(self, array: NDArray[Any], kind: str) -> str:
-        name = f"{kind}_{len(self._weights)}"
-        self._weights.append(numpy_helper.from_array(np.array(array, order="C"), name))
-        return name
-
-
 @dataclass(frozen=True)
-class _LayerWeights:
+class LayerWeights:
     """The weights of a post-norm transformer layer, wherever they come from; queries are scaled by 1 / sqrt(d)."""
 
     heads: int
@@ -137,8 +40,8 @@ class _LayerWeights:
     norm2: nn.LayerNorm
 
     @classmethod
-    def of(cls, layer: nn.Module) -> _LayerWeights:
-        if isinstance(layer, EncoderLayer):
+    def of(cls, layer: nn.Module) -> LayerWeights:
+        if isinstance(layer, TransformerLayer):
             attention, heads = layer.self_attn, layer.self_attn.heads
             weights, biases = attention.in_proj_weight.chunk(3), attention.in_proj_bias.chunk(3)
             query, key, value = zip(weights, biases, strict=True)
@@ -165,20 +68,26 @@ def motion_graph(
     x = graph.add("Sub", "features", graph.constant(mean, np.float32))
     x = graph.add("Mul", x, graph.constant(inverse, np.float32))
     x, lengths = _grouped(graph, x, encoder.config.frames_per_token, len(inverse))
-    latent = _encode(graph, encoder, x, lengths)
+    (latent,) = _encode(graph, encoder, x, lengths)
     inputs: dict[str, tuple[int, Sequence[Any]]] = {
         "features": (TensorProto.FLOAT, ["batch", "frames", len(inverse)]),
         "lengths": (TensorProto.INT64, ["batch"]),
     }
-    return graph.model("motion_encoder", inputs, latent, encoder.latent)
+    return graph.model("motion_encoder", inputs, {"latent": (latent, ["batch", encoder.latent])})
 
 
 def text_graph(
-    encoder: TransformerEncoder, language: LanguageNetwork, max_tokens: int, *, int8: bool = False
+    encoder: TransformerEncoder,
+    language: LanguageNetwork,
+    max_tokens: int,
+    *,
+    int8: bool = False,
+    variances: bool = False,
 ) -> onnx.ModelProto:
     """input_ids (batch, tokens), attention_mask (batch, tokens), right-padded -> latent (batch, D).
 
     max_tokens : the most tokens a sentence may have; the table of positions ends there.
+    variances : a second output, logvar (batch, D), of which a generator samples; without a sentence head.
     """
     graph = GraphBuilder(int8=int8)
     lengths = graph.add("ReduceSum", "attention_mask", graph.constant([1]), keepdims=0)
@@ -192,18 +101,17 @@ def text_graph(
     )
     x = graph.norm(graph.add("Add", graph.rows(language.word_embeddings.weight, "input_ids"), places), language.norm)
     x = graph.add("Reshape", x, graph.constant([-1, language.config.width]))
-    bias = _key_bias(graph, lengths, tokens)
+    bias = key_bias(graph, lengths, tokens)
     for layer in language.layers:
-        x = _layer(graph, _LayerWeights.of(layer), x, batch, bias)
+        x = _layer(graph, LayerWeights.of(layer), x, batch, bias)
     x = graph.add("Reshape", x, graph.shape(batch, tokens, language.config.width))
     head = None if encoder.sentence_head is None else _sentence_head(graph, encoder.sentence_head, x, lengths, tokens)
-    latent = _encode(graph, encoder, x, lengths)
+    latent, *logvar = _encode(graph, encoder, x, lengths, 2 if variances else 1)
     if head is not None:
-        latent = graph.add("Add", _unit(graph, latent), _unit(graph, head))
-    names = ("input_ids", "attention_mask")
-    return graph.model(
-        "text_encoder", {name: (TensorProto.INT64, ["batch", "tokens"]) for name in names}, latent, encoder.latent
-    )
+        latent = graph.add("Add", unit_rows(graph, latent), unit_rows(graph, head))
+    inputs = {name: (TensorProto.INT64, ["batch", "tokens"]) for name in ("input_ids", "attention_mask")}
+    named = zip(("latent", "logvar"), (latent, *logvar), strict=False)
+    return graph.model("text_encoder", inputs, {name: (value, ["batch", encoder.latent]) for name, value in named})
 
 
 def _sentence_head(graph: GraphBuilder, head: SentenceHead, x: str, lengths: str, tokens: str) -> str:
@@ -212,13 +120,13 @@ def _sentence_head(graph: GraphBuilder, head: SentenceHead, x: str, lengths: str
     x = graph.add(
         "ReduceSum", graph.add("Where", valid, x, graph.constant(0, np.float32)), graph.constant([1]), keepdims=0
     )
-    x = graph.add("Mul", _unit(graph, x), graph.constant(head.widen.in_features**0.5, np.float32))
+    x = graph.add("Mul", unit_rows(graph, x), graph.constant(head.widen.in_features**0.5, np.float32))
     for layer in (head.widen, head.mix):
         x = graph.add("Gelu", graph.linear(x, layer.weight, layer.bias))
     return graph.linear(x, head.narrow.weight, head.narrow.bias)
 
 
-def _unit(graph: GraphBuilder, x: str) -> str:
+def unit_rows(graph: GraphBuilder, x: str) -> str:
     """Rows of x (N, D) normalised."""
     return str(graph.add("Div", x, graph.add("ReduceL2", x, graph.constant([1]), keepdims=1)))
 
@@ -243,15 +151,15 @@ def _valid(graph: GraphBuilder, lengths: str, size: str) -> str:
     return graph.add("Less", places, graph.add("Unsqueeze", lengths, graph.constant([1])))
 
 
-def _key_bias(graph: GraphBuilder, lengths: str, size: str) -> str:
+def key_bias(graph: GraphBuilder, lengths: str, size: str) -> str:
     """What attention adds to a key's score, (batch, 1, 1, size): nothing, or so little that it never counts."""
     zero, masked = graph.constant(0, np.float32), graph.constant(_MASKED, np.float32)
     bias = graph.add("Where", _valid(graph, lengths, size), zero, masked)
     return graph.add("Unsqueeze", bias, graph.constant([1, 2]))
 
 
-def _encode(graph: GraphBuilder, encoder: TransformerEncoder, x: str, lengths: str) -> str:
-    """An ACTOR-style encoder's mu from tokens (batch, L, F) of which `lengths` (batch,) count."""
+def _encode(graph: GraphBuilder, encoder: TransformerEncoder, x: str, lengths: str, outputs: int = 1) -> list[str]:
+    """An ACTOR-style encoder's mu, with two `outputs` logvar, too, of tokens (batch, L, F) of which `lengths` count."""
     width = encoder.config.width
     batch, given = graph.size(x, 0), graph.size(x, 1)
     x = graph.add("Reshape", x, graph.constant([-1, encoder.projection.in_features]))
@@ -260,19 +168,22 @@ def _encode(graph: GraphBuilder, encoder: TransformerEncoder, x: str, lengths: s
     learned = graph.constant(encoder.tokens.detach().numpy()[None], np.float32)
     x = graph.add("Concat", graph.add("Expand", learned, graph.shape(batch, 1, 1)), x, axis=1)
     tokens = graph.add("Add", given, graph.constant([2]))
-    x = graph.add("Add", x, _positions(graph, tokens, width))
+    x = graph.add("Add", x, position_rows(graph, tokens, width))
     x = graph.add("Reshape", x, graph.constant([-1, width]))
-    bias = _key_bias(graph, graph.add("Add", lengths, graph.constant(2)), tokens)
-    *layers, last = (_LayerWeights.of(layer) for layer in encoder.seqTransEncoder.layers)
+    bias = key_bias(graph, graph.add("Add", lengths, graph.constant(2)), tokens)
+    *layers, last = (LayerWeights.of(layer) for layer in encoder.seqTransEncoder.layers)
     for layer in layers:
         x = _layer(graph, layer, x, batch, bias)
-    x = _last_layer(graph, last, x, batch, bias)
+    x = _last_layer(graph, last, x, batch, bias, outputs)
     if isinstance(encoder.to_latent, nn.Linear):
         x = graph.linear(x, encoder.to_latent.weight, encoder.to_latent.bias)
-    return x
+    if outputs == 1:
+        return [x]
+    x = graph.add("Reshape", x, graph.shape(batch, outputs, encoder.latent))
+    return [graph.add("Gather", x, graph.constant(place), axis=1) for place in range(outputs)]
 
 
-def _positions(graph: GraphBuilder, count: str, width: int) -> str:
+def position_rows(graph: GraphBuilder, count: str, width: int) -> str:
     """Sinusoidal positions (count, width), as `encoders.tmr.model.network.positions`."""
     rates = np.exp(np.arange(0, width, 2, dtype=np.float32) * np.float32(-math.log(10000.0) / width))
     places = graph.add("Range", graph.constant(0), graph.add("Squeeze", count), graph.constant(1))
@@ -282,19 +193,24 @@ def _positions(graph: GraphBuilder, count: str, width: int) -> str:
     return graph.add("Reshape", waves, graph.constant([-1, width]))
 
 
-def _layer(graph: GraphBuilder, layer: _LayerWeights, x: str, batch: str, bias: str) -> str:
+def _layer(graph: GraphBuilder, layer: LayerWeights, x: str, batch: str, bias: str) -> str:
     """A post-norm transformer layer over tokens (batch * tokens, width)."""
-    return _finish(graph, layer, x, _attend(graph, layer, x, x, batch, bias))
+    return _finish(graph, layer, x, attend(graph, layer, x, x, batch, bias))
 
 
-def _last_layer(graph: GraphBuilder, layer: _LayerWeights, x: str, batch: str, bias: str) -> str:
-    """The same, but only for each sequence's first token: (batch * tokens, width) -> (batch, width)."""
-    rows = graph.add("Reshape", x, graph.shape(batch, -1, layer.out.in_features))
-    first = graph.add("Gather", rows, graph.constant(0), axis=1)
-    return _finish(graph, layer, first, _attend(graph, layer, first, x, batch, bias))
+def _last_layer(graph: GraphBuilder, layer: LayerWeights, x: str, batch: str, bias: str, count: int) -> str:
+    """The same, but only for the first tokens of each sequence: (batch * tokens, width) -> (batch * count, width)."""
+    width = layer.out.in_features
+    rows = graph.add("Reshape", x, graph.shape(batch, -1, width))
+    if count == 1:
+        first = graph.add("Gather", rows, graph.constant(0), axis=1)
+    else:
+        first = graph.add("Slice", rows, graph.constant([0]), graph.constant([count]), graph.constant([1]))
+        first = graph.add("Reshape", first, graph.constant([-1, width]))
+    return _finish(graph, layer, first, attend(graph, layer, first, x, batch, bias))
 
 
-def _attend(graph: GraphBuilder, layer: _LayerWeights, x: str, memory: str, batch: str, bias: str) -> str:
+def attend(graph: GraphBuilder, layer: LayerWeights, x: str, memory: str, batch: str, bias: str) -> str:
     """MultiHeadAttention of x (batch * any, width) to memory (batch * tokens, width): like x, before its projection."""
     split = graph.shape(batch, -1, layer.heads, layer.out.in_features // layer.heads)
     query, key, value = (
@@ -310,7 +226,7 @@ def _attend(graph: GraphBuilder, layer: _LayerWeights, x: str, memory: str, batc
     return str(graph.add("Reshape", mixed, graph.constant([-1, layer.out.in_features])))
 
 
-def _finish(graph: GraphBuilder, layer: _LayerWeights, x: str, mixed: str) -> str:
+def _finish(graph: GraphBuilder, layer: LayerWeights, x: str, mixed: str) -> str:
     """What follows attention: projection, residual, norm, feed-forward, residual, norm."""
     x = graph.norm(graph.add("Add", x, graph.linear(mixed, layer.out.weight, layer.out.bias)), layer.norm1)
     wide = graph.add("Gelu", graph.linear(x, layer.widen.weight, layer.widen.bias))

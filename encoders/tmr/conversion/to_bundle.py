@@ -18,10 +18,12 @@ import numpy as np
 import onnx
 from numpy.typing import NDArray
 
+from encoders.bundle.generator_files import DECODER
 from encoders.bundle.manifest import CALIBRATION, FORMAT, MANIFEST, MOTION, TEXT, TOKENIZER, digest
 from encoders.features.registry import FEATURE_KINDS
+from encoders.tmr.conversion.decoder_graph import decoder_graph
 from encoders.tmr.conversion.onnx_graph import motion_graph, text_graph
-from encoders.tmr.model.network import TransformerEncoder
+from encoders.tmr.model.network import Decoder, TransformerEncoder
 from encoders.tmr.text.language_model import LanguageModel
 
 
@@ -40,6 +42,7 @@ def export_bundle(
     licence: str = "MIT",
     training: Mapping[str, Any] | None = None,
     calibration: Mapping[str, NDArray[Any]] | None = None,
+    decoder: Decoder | None = None,
 ) -> Path:
     """Write a bundle; a bundle already in `folder` is replaced only when the new one is complete.
 
@@ -53,6 +56,9 @@ def export_bundle(
         What the manifest says about training.
     calibration : mapping of arrays
         Written as calibration.npz; changes no embedding.
+    decoder : Decoder, optional
+        Of a variational model: written as decoder.onnx, and text.onnx then gives variances beside the means, so that
+        motions can be generated.
     """
     kind = FEATURE_KINDS[feature_kind]
     if np.shape(mean) != (kind.size,) or np.shape(std) != (kind.size,):
@@ -61,7 +67,10 @@ def export_bundle(
         new.mkdir()
         int8 = weights == "int8"
         onnx.save(motion_graph(motion_encoder, mean, std, int8=int8), new / MOTION)
-        onnx.save(text_graph(text_encoder, language.network, language.max_tokens, int8=int8), new / TEXT)
+        text = text_graph(text_encoder, language.network, language.max_tokens, int8=int8, variances=decoder is not None)
+        onnx.save(text, new / TEXT)
+        if decoder is not None:
+            onnx.save(decoder_graph(decoder, mean, std, int8=int8), new / DECODER)
         (new / TOKENIZER).write_text(language.tokenizer.to_str(), "utf-8")
         if calibration is not None:
             np.savez_compressed(new / CALIBRATION, **calibration)  # type: ignore[arg-type]

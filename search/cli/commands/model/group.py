@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from search.cli import options
+from search.cli.commands.model.decoder import decoder
 from search.cli.commands.model.import_run import import_run
 from search.cli.commands.model.train import release, require_both, train
 from search.cli.commands.status import shown
@@ -37,6 +38,7 @@ def model() -> None:
 model.add_command(import_run)
 model.add_command(train)
 model.add_command(release)
+model.add_command(decoder)
 
 
 @model.command()

@@ -104,8 +104,8 @@ def train(
     kind = FEATURE_KINDS["body"]
     start, normaliser = initial_model(origins, chosen) if origins else (None, None)
     language = LanguageModel.load()
-    banned = HeldOutSentences(chain(*paraphrase_queries().values(), *(_sentences(path) for path in held_out)))
-    lines = [text for text in _sentences(sentences) if not banned(text)] if sentences else []
+    banned = HeldOutSentences(chain(*paraphrase_queries().values(), *(sentences_of(path) for path in held_out)))
+    lines = [text for text in sentences_of(sentences) if not banned(text)] if sentences else []
     real_clips, real_validation = real_stores(real, captions, kind, banned) if real and captions else (None, None)
     seed = TRAINING + RUNS_APART * chosen.seed
     clips = synthetic_stores(
@@ -255,7 +255,7 @@ def release(
     click.echo(f"{bundle.name} {bundle.fingerprint[:12]} in {folder}")
 
 
-def _sentences(path: Path) -> list[str]:
+def sentences_of(path: Path) -> list[str]:
     """Lines of a text file, the last column of a table, or the captions in JSON lines that are not for training."""
     try:
         lines = [line.strip() for line in path.read_text("utf-8").splitlines() if line.strip()]

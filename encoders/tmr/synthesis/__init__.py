@@ -1,0 +1,1 @@
+"""A generator of motion beside a trained model: TEMOS's variational autoencoder on the model's sentence vectors."""
