@@ -41,6 +41,7 @@ def import_run(
     stats: Path | None = None,
     language_model: str | None = None,
     features: str | None = None,
+    decoder: bool = False,
 ) -> tuple[Bundle, float]:
     """Write the bundle of a run; one already in `folder` is replaced when the new one is complete.
 
@@ -57,6 +58,8 @@ def import_run(
         Folder, or name on the Hugging Face hub; the one that the configuration names if not given.
     features : str, optional
         Feature kind, where the configuration's name of it is not known.
+    decoder : bool
+        Also write the run's decoder, to generate motion with.
 
     Returns
     -------
@@ -97,6 +100,7 @@ def import_run(
                 "features": Path(data.features).name,
                 "statistics": data.statistics,
             },
+            decoder=network.motion_decoder if decoder else None,
         )
         difference = _difference(Bundle.load(new), network, language, mean, std)
         if not difference < _EXACT:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from encoders.bundle.generator_files import DECODER, LABELS, SENTENCES
 from encoders.bundle.manifest import MANIFEST, digest, read_manifest
 from encoders.tmr.conversion.decoder_graph import decoder_graph, gaussian_graph
+from encoders.tmr.conversion.to_bundle import replacing
 from encoders.tmr.model.normaliser import Normaliser
 from encoders.tmr.synthesis.motion_vae import MotionVAE
 
@@ -39,10 +39,8 @@ def add_generator(
         What the manifest says about it.
     """
     manifest = read_manifest(source)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as temporary:
-        new = Path(temporary) / "bundle"
-        new.mkdir()
+    with replacing(folder) as new:
+        new.mkdir(exist_ok=True)
         for name in manifest.files:
             shutil.copyfile(source / name, new / name)
         onnx.save(decoder_graph(model.motion_decoder, normaliser.mean, normaliser.std, int8=True), new / DECODER)
@@ -56,7 +54,4 @@ def add_generator(
             "files": {file.name: digest(file) for file in sorted(new.iterdir())},
         }
         (new / MANIFEST).write_text(json.dumps(values, indent=2, sort_keys=True) + "\n", "utf-8")
-        if folder.exists():
-            folder.rename(Path(temporary) / "old")
-        shutil.move(new, folder)
     return folder

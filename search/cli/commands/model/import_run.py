@@ -27,6 +27,7 @@ _FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
     help="Folder of the language model, or its name on the Hugging Face hub. [default: the one config.json names]",
 )
 @click.option("--features", metavar="KIND", help="Kind of features, where that of config.json is not known.")
+@click.option("--decoder", is_flag=True, help="With the run's decoder, for 'motionseek generate'.")
 @click.option("--force", is_flag=True, help="Replace a model of this name.")
 @options.as_json
 def import_run(
@@ -35,6 +36,7 @@ def import_run(
     stats: Path | None,
     language_model: str | None,
     features: str | None,
+    decoder: bool,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -58,7 +60,7 @@ def import_run(
     if folder.exists() and not force:
         raise click.ClickException(f"there is a model {name!r} in {folder}; choose another name or use --force")
     bundle, difference = import_published(
-        run, folder, name=name, stats=stats, language_model=language_model, features=features
+        run, folder, name=name, stats=stats, language_model=language_model, features=features, decoder=decoder
     )
     if as_json:
         facts = {"name": name, "fingerprint": bundle.fingerprint, "folder": str(folder), "difference": difference}

@@ -136,3 +136,24 @@ def test_a_published_run_samples_from_its_text_encoder(tmp_path: Path) -> None:
     assert np.allclose(vector, gaussian.mu / np.linalg.norm(gaussian.mu), atol=1e-5)
     (motion,) = MotionGenerator(bundle).motions(gaussian, 3.0, 1, np.random.default_rng(0))
     assert len(motion) == 60
+
+
+def test_a_published_decoder_decodes_as_published(tmp_path: Path, golden: Path) -> None:
+    import onnx
+
+    from encoders.tmr.conversion.from_published import load_run
+
+    decoder = load_run(golden / "published_run").motion_decoder
+    assert decoder is not None
+    onnx.save(decoder_graph(decoder, np.zeros(263), np.ones(263)), tmp_path / "decoder.onnx")
+    session = open_session(tmp_path / "decoder.onnx")
+    with np.load(golden / "published_run_io.npz") as want:
+        for latent, lengths, out in (
+            ("decoder/random_z", "decoder/random_z_lengths", "decoder/random_z_out"),
+            ("motion/mu", "motion/length", "decoder/from_motion_mu"),
+            ("text/mu", "motion/length", "decoder/from_text_mu"),
+        ):
+            feed = {"latent": want[latent], "lengths": want[lengths].astype(np.int64)}
+            (found,) = session.run(["features"], feed)
+            for row, other, length in zip(found, want[out], feed["lengths"], strict=True):
+                assert np.allclose(row[:length], other[:length], atol=1e-4)
