@@ -31,7 +31,7 @@ def _commands(group: click.Group, ctx: click.Context, name: str = "") -> dict[st
 
 ALL = _commands(cli, click.Context(cli))
 #: Commands whose outcome is no answer but a server, a model or a page.
-ENDLESS = {"serve", "model train", "model release", "model card", "model import", "model calibrate"}
+ENDLESS = {"serve", "model train", "model decoder", "model release", "model card", "model import", "model calibrate"}
 
 
 @pytest.mark.parametrize("name", ALL)
