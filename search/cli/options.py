@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from search.cli.piped import read_clips
+
 if TYPE_CHECKING:
     from encoders.protocol import Encoder
     from search.hits import Hits
@@ -115,6 +117,12 @@ _FILTERS = (
     click.option("--starred/--unstarred", default=None, help="Only clips with a star, or without."),
     click.option("--tag", metavar="NAME", help="Only clips with this tag."),
     click.option("--collection", metavar="NAME", help="Only clips of this collection."),
+    click.option(
+        "--clips",
+        metavar="FILE",
+        callback=read_clips,
+        help="Only the clips that FILE names, one a line or as JSON; '-' for what another command pipes in.",
+    ),
 )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any, TypedDict
@@ -10,7 +10,7 @@ from typing import Any, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.arguments import checked_flag, checked_text, optional_number
+from encoders.arguments import checked_flag, checked_text, optional_number, shown
 from encoders.errors import ArgumentError
 from indexer.store.clips import LIVE
 from indexer.store.marks import marks_table
@@ -54,6 +54,7 @@ class FilterArguments(TypedDict, total=False):
     starred: bool | None
     tag: str | None
     collection: str | None
+    clips: Sequence[str | int] | None
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,8 @@ class Filters:
         Only clips with a star, or only those without.
     tag, collection : str, optional
         Only clips with that tag, or in that collection.
+    clips : sequence of str or int, optional
+        Only these: paths, names or numbers.
 
     Raises
     ------
@@ -94,6 +97,7 @@ class Filters:
     starred: bool | None = None
     tag: str | None = None
     collection: str | None = None
+    clips: Sequence[str | int] | None = None
 
     @classmethod
     def of(cls, arguments: Mapping[str, Any]) -> Filters:
@@ -116,6 +120,8 @@ class Filters:
             value = getattr(self, name)
             if value is not None:
                 checked_text(name, value)
+        if self.clips is not None:
+            object.__setattr__(self, "clips", tuple(_checked_clips(self.clips)))
         for name in _FLAGS:
             if getattr(self, name) is not None:
                 checked_flag(name, getattr(self, name))
@@ -132,6 +138,10 @@ class Filters:
         """The sorted ids of the clips that pass; None where no filter is given."""
         condition, values = self._where()
         passing = library.ids(condition, values) if condition else None
+        if self.clips is not None:
+            named = [f"#{clip}" if isinstance(clip, int) else clip for clip in self.clips]
+            these = np.unique(np.array([library.find(clip).id for clip in named], np.int64))
+            passing = these if passing is None else np.intersect1d(these, passing, assume_unique=True)
         if self.path is None:
             return passing
         there = clips_at(library, self.path)
@@ -160,6 +170,8 @@ class Filters:
             return "; no clip has a caption" if self.captioned else "; every clip has a caption"
         if name == "starred":
             return "; no clip has a star" if self.starred else "; every clip has a star"
+        if name == "clips":
+            return "; none is named"
         if name in _MARKED:
             names = list(marks_table.counts(library.connection, _MARKED[name]))
             near = get_close_matches(getattr(self, name), names, n=_SUGGESTED) or names[:_SUGGESTED]
@@ -182,6 +194,13 @@ class Filters:
             if (flag := getattr(self, name)) is not None:
                 conditions.append(condition if flag else condition.replace(" IN ", " NOT IN ", 1))
         return " AND ".join(conditions), tuple(getattr(self, name) for name in given)
+
+
+def _checked_clips(given: Any) -> list[str | int]:
+    clips = [given] if isinstance(given, (str, int)) else list(given) if isinstance(given, Iterable) else [given]
+    if not all(isinstance(clip, (str, int)) and not isinstance(clip, bool) for clip in clips):
+        raise ArgumentError(f"clips={shown(given)} must be paths, names or numbers of clips")
+    return clips
 
 
 def refuse_filters(filters: Mapping[str, Any]) -> None:

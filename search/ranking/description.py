@@ -37,17 +37,28 @@ def describe_motion(
     list of (sentence, score), best first, no sentence twice
         The score is the cosine less the `hubness_penalty` of the sentence.
     """
-    motion_vector = encoder.encode_motions([motion])[0]
-    sentences = vocabulary()
-    candidates = encoder.encode_texts(list(sentences))
-    if vectors is not None and len(captions):
-        sentences, candidates = (*captions, *sentences), np.concatenate([vectors, candidates])
-    cosines = candidates @ motion_vector
-    near = np.argsort(-cosines, kind="stable")[: max(_RERANKED, 10 * k)]
-    scores = cosines[near] - hubness_penalty(encoder, candidates[near])
-    best: dict[str, float] = {}
-    for i in np.argsort(-scores, kind="stable"):
-        best.setdefault(sentences[near[i]], float(scores[i]))
-        if len(best) == k:
-            break
-    return list(best.items())
+    return Sentences(encoder, captions, vectors).nearest(encoder.encode_motions([motion])[0], k)
+
+
+class Sentences:
+    """The sentences to choose from: captions with their unit vectors (N, D), and the shipped vocabulary."""
+
+    def __init__(
+        self, encoder: Encoder, captions: Sequence[str] = (), vectors: NDArray[np.float32] | None = None
+    ) -> None:
+        self._encoder, self._texts = encoder, vocabulary()
+        self._vectors = encoder.encode_texts(list(self._texts))
+        if vectors is not None and len(captions):
+            self._texts, self._vectors = (*captions, *self._texts), np.concatenate([vectors, self._vectors])
+
+    def nearest(self, motion_vector: NDArray[np.float32], k: int) -> list[tuple[str, float]]:
+        """The k sentences that fit the unit vector (D,) of a motion best; see `describe_motion`."""
+        cosines = self._vectors @ motion_vector
+        near = np.argsort(-cosines, kind="stable")[: max(_RERANKED, 10 * k)]
+        scores = cosines[near] - hubness_penalty(self._encoder, self._vectors[near])
+        best: dict[str, float] = {}
+        for i in np.argsort(-scores, kind="stable"):
+            best.setdefault(self._texts[near[i]], float(scores[i]))
+            if len(best) == k:
+                break
+        return list(best.items())

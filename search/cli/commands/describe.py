@@ -2,13 +2,34 @@
 
 from __future__ import annotations
 
+import csv
+import io
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
 import click
 
 from search.cli import options
 
+if TYPE_CHECKING:
+    from search.library import Library
+
+Described = tuple[str, list[tuple[str, float]]]
+
 
 @click.command()
-@click.argument("ref", metavar="CLIP")
+@click.argument("ref", metavar="[CLIP]", required=False)
+@click.option("--all", "every", is_flag=True, help="Describe all clips of the library, or those that pass the filters.")
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE.csv",
+    help="Write what --all finds as a captions table.",
+)
+@options.force
+@options.filters
 @options.start
 @options.end
 @click.option(
@@ -26,7 +47,10 @@ from search.cli import options
 @options.library
 @options.as_json
 def describe(
-    ref: str,
+    ref: str | None,
+    every: bool,
+    out: Path | None,
+    force: bool,
     start: float | None,
     end: float | None,
     k: int,
@@ -35,8 +59,9 @@ def describe(
     model: str | None,
     folder: str | None,
     as_json: bool,
+    **filters: Any,
 ) -> None:
-    """Describe CLIP, or a span of it, in sentences.
+    """Describe CLIP, or a span of it, in sentences; or with --all every clip, as first labels of an archive.
 
     CLIP is a file, or a clip of the library by path, name or number. The sentences are those of the built-in vocabulary
     and the captions of the library, if there is one.
@@ -45,7 +70,20 @@ def describe(
     Examples:
       motionseek describe take_017.bvh
       motionseek describe long_take.bvh --start 12 --end 14.5 -k 3
+      motionseek describe --all -o labels.csv -k 1 --uncaptioned
     """
+    from search.query.filters import refuse_filters
+
+    if every:
+        if ref is not None or (start, end, fps, up, model) != (None,) * 5:
+            raise click.UsageError("--all takes filters, and no CLIP, --start, --end, --fps, --up or --model")
+        _describe_all(folder, k, out, force, as_json, filters)
+        return
+    if ref is None:
+        raise click.UsageError("name a CLIP, or give --all")
+    if out is not None:
+        raise click.UsageError("-o needs --all")
+    refuse_filters(filters)
     from search.cli import terminal
     from search.cli.progress import working
     from search.documents import description_document
@@ -61,3 +99,54 @@ def describe(
         terminal.document(description_document(source.path, sentences))
     else:
         terminal.table(("score", "sentence"), [(f"{score:.3f}", text) for text, score in sentences], right=("score",))
+
+
+def _describe_all(
+    folder: str | None, k: int, out: Path | None, force: bool, as_json: bool, filters: dict[str, Any]
+) -> None:
+    """Print or write the sentences of every clip that passes the filters."""
+    from search.cli import terminal
+    from search.documents import description_document
+    from search.export.replacing import write_text
+
+    if out is not None:
+        options.refuse_overwriting(out, force)
+    with options.open_library(folder) as library:
+        found = list(_descriptions(library, k, filters))
+        if not found:
+            terminal.note(terminal.no_clips(library, filters))
+    if out is not None:
+        write_text(out, _table(found))
+        terminal.note(f"wrote the sentences of {len(found)} {'clip' if len(found) == 1 else 'clips'} to {out}")
+    elif as_json:
+        terminal.document({"clips": [description_document(path, sentences) for path, sentences in found]})
+    else:
+        rows = [(path, f"{score:.3f}", text) for path, sentences in found for text, score in sentences]
+        terminal.table(("clip", "score", "sentence"), rows, right=("score",), below=("clip",))
+
+
+def _descriptions(library: Library, k: int, filters: dict[str, Any]) -> Iterator[Described]:
+    """The name of each clip, with its sentences, from the vectors that the library holds."""
+    from indexer.vectors.library_indexes import CLIPS
+    from search.cli.progress import progress_bar
+    from search.ranking.description import Sentences
+
+    with library.reading() as connection, progress_bar("clips") as progress:
+        texts, _, vectors = library.caption_vectors()
+        sentences = Sentences(library.bundle, texts, vectors)
+        rows = library.indexes.current(CLIPS, connection).rows
+        places = {clip_id: row for row, clip_id in enumerate(rows.owners.tolist())}
+        clips = list(library.clips(**filters))
+        for done, clip in enumerate(clips, start=1):
+            vector = rows.vectors[places[clip.id]].astype("float32")
+            yield library.reference(clip.root_name, clip.path), sentences.nearest(vector, k)
+            progress(done, len(clips), clip.path)
+
+
+def _table(found: list[Described]) -> str:
+    """A captions table: what is right of it, or corrected, can be put into its folder as captions.csv."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("path", "text", "score"))
+    writer.writerows((path, sentence, f"{score:.3f}") for path, sentences in found for sentence, score in sentences)
+    return text.getvalue()

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import re
 import shlex
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from itertools import islice
 from pathlib import Path
@@ -42,6 +43,7 @@ _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 )
 @options.model
 @click.option("--retry", is_flag=True, help="Read files that failed before again.")
+@click.option("--watch", is_flag=True, help="Go on: index again whenever a file in FOLDER changes, until Ctrl-C.")
 @options.as_json
 def index(
     folders: tuple[str, ...],
@@ -53,6 +55,7 @@ def index(
     rebuild: bool,
     model: str | None,
     retry: bool,
+    watch: bool,
     as_json: bool,
 ) -> int:
     """Index the motion files in FOLDER, or update its index.
@@ -67,9 +70,11 @@ def index(
       motionseek index shoot_a/ shoot_b/ --library team_library --jobs 8
       motionseek index old_rigs/ --joint-map names.json --retry
       motionseek index my_mocap/ --rebuild --model tmr-humanml3d
+      motionseek index my_mocap/ --watch
     """
     from encoders.bundle.known_models import load_model
     from indexer.ingest import indexing
+    from indexer.ingest import watch as watching
     from search.cli import terminal
     from search.cli.locate import VARIABLE
     from search.cli.progress import progress_bar
@@ -82,25 +87,54 @@ def index(
     _lower_priority()
     library = library or os.environ.get(VARIABLE)
     names = read_joint_map(joint_map) if joint_map else None
-    with progress_bar() as progress:
-        summary = indexing.index(
-            folders,
-            library=library,
-            bundle=None if model is None else load_model(model),
-            jobs=jobs,
-            fps=fps,
-            up=up,
-            joint_map=names,
-            retry=retry,
-            rebuild=rebuild,
-            progress=progress,
-        )
-    if as_json:
-        failed = [{"path": path, "reason": reason} for path, reason in summary.failed]
-        terminal.document(asdict(summary) | {"failed": failed, "seconds": round(summary.seconds, 2)})
-    else:
-        report(summary, library or folders[0])
+    encoder = None if model is None else load_model(model)
+
+    def run(*, retry: bool, rebuild: bool) -> Summary:
+        with progress_bar() as progress:
+            summary = indexing.index(
+                folders,
+                library=library,
+                bundle=encoder,
+                jobs=jobs,
+                fps=fps,
+                up=up,
+                joint_map=names,
+                retry=retry,
+                rebuild=rebuild,
+                progress=progress,
+            )
+        if as_json:
+            failed = [{"path": path, "reason": reason} for path, reason in summary.failed]
+            terminal.document(asdict(summary) | {"failed": failed, "seconds": round(summary.seconds, 2)})
+        else:
+            report(summary, library or folders[0])
+        sys.stdout.flush()
+        return summary
+
+    known = watching.seen(folders) if watch else b""
+    summary = run(retry=retry, rebuild=rebuild)
+    if watch and not summary.interrupted:
+        return _watch(folders, known, lambda: run(retry=False, rebuild=False))
     return 130 if summary.interrupted else int(bool(summary.failed))
+
+
+def _watch(folders: Sequence[str], known: bytes, run: Callable[[], Summary]) -> int:
+    """Run again whenever a file has changed, until Ctrl-C; what ends a run is said, and the next change tries again."""
+    from encoders.errors import MotionSeekError
+    from indexer.ingest import watch as watching
+    from search.cli import terminal
+
+    terminal.note("watching; press Ctrl-C to stop")
+    try:
+        for _ in watching.changes(folders, known):
+            try:
+                if run().interrupted:
+                    break
+            except MotionSeekError as error:
+                terminal.note(str(error))
+    except KeyboardInterrupt:
+        pass
+    return 0
 
 
 def _lower_priority() -> None:

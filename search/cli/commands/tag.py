@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 import click
 
 from search.cli import options
+from search.cli.piped import clips_in
 
 if TYPE_CHECKING:
     from search.library import Library
@@ -35,17 +37,23 @@ def tag(
 ) -> None:
     """Star CLIP, tag it, or collect it; without options, show what it has.
 
-    CLIP is a path, a name or '#number' of a clip of the library. Without CLIP, all stars, tags and collections are
-    listed with how many clips have each. They live in the library and stay with a clip when its file is moved.
-    Searches and 'motionseek list' take --tag, --starred and --collection.
+    CLIP is a path, a name or '#number' of a clip of the library, or '-' for those that another command pipes in.
+    Without CLIP, all stars, tags and collections are listed with how many clips have each. They live in the library and
+    stay with a clip when its file is moved. Searches and 'motionseek list' take --tag, --starred and --collection.
 
     \b
     Examples:
       motionseek tag take_003.bvh --add fight --add fast
       motionseek tag take_003.bvh '#17' --star --collect reel
       motionseek tag take_003.bvh --remove fast
+      motionseek duplicates --extra | motionseek tag - --add duplicate
       motionseek tag
     """
+    if "-" in clips:
+        piped = clips_in(sys.stdin.read())
+        clips = (*(clip for clip in clips if clip != "-"), *piped)
+        if not clips:
+            return
     given = bool(added or removed or collect or uncollect or star is not None)
     if given and not clips:
         raise click.UsageError("name a clip, by its path, name or '#number'")
