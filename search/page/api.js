@@ -8,10 +8,11 @@ import { Motion } from "./motion.js";
  * @typedef {{rank: number, path: string, score: number, strength: string, start: number, end: number,
  *   duration: number, caption: string, clip: number | string, root: string | null,
  *   source_fps: number | null, first_frame: number | null, last_frame: number | null,
+ *   matched: string[], starred: boolean, tags: string[], collections: string[], copies?: Hit[], mirrored?: boolean,
  *   stale: string | null, steps?: {text: string, score: number, start: number, end: number}[]}} Hit
  * @typedef {{text: string, start: number | null, end: number | null}} Caption
  * @typedef {{clip: number | string, root: string | null, path: string, name: string, duration: number, fps: number, frames: number,
- *   format: string, rig: string, added: string, start: number, source_fps: number | null, source_frames: number | null, captions?: Caption[]}} MotionInfo
+ *   format: string, rig: string, added: string, start: number, source_fps: number | null, source_frames: number | null, captions?: Caption[], starred: boolean, tags: string[]}} MotionInfo
  * @typedef {{generation: number, clips: number[], x: number[], y: number[], labels: string[], label: number[]}} MapData
  */
 
@@ -91,6 +92,21 @@ export const map = () => requestJson(address("map"));
 
 /** @returns {Promise<Record<string, any>>} */
 export const stats = () => requestJson(address("stats"));
+
+/** How many clips each value of a filter would leave. @returns {Promise<Record<string, {value?: string, from?: number, to?: number, count: number}[]>>} */
+export const facets = (filters) => requestJson(address("facets", filters));
+
+/** Clips that show one performance, or how far the search for them is. @returns {Promise<{stacks?: [number, boolean][][], progress?: number}>} */
+export const stacks = () => requestJson(address("stacks"));
+
+/** Stars, tags and collections, and whether the server may change them. @returns {Promise<{starred: number, tags: Record<string, number>, collections: Record<string, number>, edit: boolean}>} */
+export const marks = () => requestJson(address("marks"));
+
+/** Star, tag and collect clips. @param {{clips: (number | string)[], star?: boolean, tags?: string[], collections?: string[]}} change */
+export const changeMarks = (change) => requestJson("api/marks", { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(change) });
+
+/** The URL of an archive of clips, or spans of them. @param {string[]} clips as 12 or 12:1.5:3.25 */
+export const archiveAddress = (clips, format) => address("archive", { clip: clips, format });
 
 /** What files can be read, and what they need beside them. @returns {Promise<import("./drop.js").Format[]>} */
 export const formats = async () => (await requestJson(address("formats"))).formats;

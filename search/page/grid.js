@@ -5,6 +5,7 @@
 import * as api from "./api.js";
 import { byId, clock, el, strengthMark, svg } from "./dom.js";
 import { link } from "./state.js";
+import { labels, tools } from "./tray.js";
 
 const MAX_SECONDS = 10; // that a card plays
 const POSTER = 0.4; // fraction of the span whose pose is shown while paused
@@ -30,19 +31,20 @@ export class Grid {
     this.add(hits);
   }
 
-  /** @param {import("./api.js").Hit[]} hits */
-  add(hits) {
+  /** @param {import("./api.js").Hit[]} hits @param {Element | null} [before] the item before which they come; at the end without */
+  add(hits, before = null) {
     for (const hit of hits) {
       const figure = el("div", { class: "stage loading" });
       const card = this.#card(hit, figure);
       const view = this.stage?.add(figure) ?? null;
-      this.cards.push({ card, view });
+      const at = before ? [...this.list.children].indexOf(before) : this.cards.length;
+      this.cards.splice(at, 0, { card, view });
       card.addEventListener("pointerenter", () => this.#play(view, true));
       card.addEventListener("focus", () => this.#play(view, true));
       card.addEventListener("pointerleave", () => this.#play(view, this.isPlaying()));
       card.addEventListener("blur", () => this.#play(view, this.isPlaying()));
       Object.assign(card, { motionseek: { hit, view, figure } });
-      this.list.append(el("li", {}, card));
+      this.#place(card, hit, before);
       this.seen.observe(card);
     }
   }
@@ -89,6 +91,31 @@ export class Grid {
     if (view) view.playing = playing;
   }
 
+  #place(card, hit, before) {
+    const item = el("li", {}, card, tools(hit));
+    this.list.insertBefore(item, before);
+    this.#offerCopies(item, hit);
+  }
+
+  /** Say how many clips a card stands for, as more hits came. */
+  refreshCopies() {
+    for (const { card } of this.cards) this.#offerCopies(card.parentElement, /** @type {any} */ (card).motionseek.hit);
+  }
+
+  /** A button that shows the other clips of a stack. */
+  #offerCopies(item, hit) {
+    item.querySelector(".copies")?.remove();
+    if (!hit.copies?.length) return;
+    const button = el("button", { type: "button", class: "copies", onclick: () => {
+      const next = item.nextElementSibling;
+      const copies = hit.copies.splice(0);
+      button.remove();
+      this.add(copies, next);
+      /** @type {HTMLElement} */ (item.nextElementSibling?.firstElementChild)?.focus();
+    } }, `${hit.copies.length} more of this performance`); // prettier-ignore
+    item.append(button);
+  }
+
   /** @param {import("./api.js").Hit} hit @param {HTMLElement} figure */
   #card(hit, figure) {
     const title = hit.caption || hit.path.split("/").pop()?.replace(/\.[^.]*$/, "") || "";
@@ -106,6 +133,7 @@ export class Grid {
         el("h2", { class: "title" }, title),
         el("p", { class: "file", title: hit.path }, hit.path),
         el("p", { class: "facts", title: frames(hit) }, `${clock(hit.duration)} · ${span}`),
+        labels(hit),
         hit.steps ? steps(hit) : null,
       ),
     );

@@ -5,14 +5,18 @@
 import * as api from "./api.js";
 import { onFiles } from "./drop.js";
 import { byId, clock, el } from "./dom.js";
+import { listenToFacets, showFacets } from "./facets.js";
 import { Grid } from "./grid.js";
 import { Plane } from "./map.js";
 import { listenToQuestion, showQuestion } from "./question.js";
+import * as recent from "./recent.js";
 import { Results } from "./results.js";
 import { listenToShortcuts } from "./shortcuts.js";
+import { readStacks } from "./stacks.js";
 import { Stage } from "./stage.js";
 import { CLOSED, close, entry, link, read, subscribe } from "./state.js";
 import { changeTheme, onTheme } from "./theme.js";
+import { listenToTray } from "./tray.js";
 import { Viewer } from "./viewer.js";
 
 const POLL = 15_000; // milliseconds between checks whether the library has changed
@@ -37,7 +41,7 @@ function makeStage() {
 /** Where the user was in each history entry: how far down, at which card, of how many. @type {Map<number, {y: number, card: number, count: number}>} */
 const places = new Map();
 let here = entry();
-const remember = () => places.set(here, { y: scrollY, card: grid.last, count: grid.cards.length });
+const remember = () => places.set(here, { y: scrollY, card: grid.last, count: results.offset });
 
 /** @param {import("./state.js").State} state @param {boolean} back whether the browser went back or forward */
 async function show(state, back = false) {
@@ -50,6 +54,7 @@ async function show(state, back = false) {
   for (const id of ["viewer", "map", "results"]) byId(id).hidden = id !== where;
   document.body.classList.toggle("viewing", where === "viewer");
   showQuestion(state);
+  recent.remember(state.q);
   byId("to-grid").href = link({ ...CLOSED, view: "" });
   byId("to-map").href = link({ ...CLOSED, view: "map" });
   for (const [id, current] of [["to-grid", where === "results"], ["to-map", where === "map"]]) byId(id).toggleAttribute("aria-current", current);
@@ -110,12 +115,26 @@ async function updateLibrary() {
     select.replaceChildren(select.options[0], ...Object.keys(counts).map((value) => el("option", { value }, `${value} (${counts[value]})`)));
     select.value = read()[name];
   }
+  readStacks(askAgain);
   if (!changed) return;
+  showFacets(read(), true);
   plane.refresh({ again: true });
   if (read().view === "map" || !grid.cards.length) { results.asked = ""; show(read()); } // prettier-ignore
 }
 setInterval(() => document.visibilityState === "visible" && updateLibrary(), POLL);
 
+/** Ask the question of now again, as its answer has changed. */
+function askAgain() {
+  results.asked = "";
+  if (!byId("results").hidden) results.show(read(), results.offset);
+}
+
+listenToFacets();
+listenToTray(() => {
+  askAgain();
+  showFacets(read(), true);
+});
+recent.show();
 subscribe(show);
 showPlaying();
 show(read());

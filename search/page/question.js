@@ -3,11 +3,12 @@
  */
 
 import { byId } from "./dom.js";
+import { showFacets } from "./facets.js";
 import { CLOSED, filters, go, read } from "./state.js";
 
 const DEBOUNCE = 100; // milliseconds without typing before a search
 const SETTLE = 250; // before a filter that is being typed is applied
-const NO_FILTERS = { min: "", max: "", path: "", format: "", rig: "", captioned: "" };
+const NO_FILTERS = { min: "", max: "", path: "", format: "", rig: "", captioned: "", starred: "", tag: "", collection: "" };
 
 let waiting = 0; // the debounce timer of the search box
 let narrowing = 0; // that of the filters
@@ -19,6 +20,7 @@ export function showQuestion(state) {
   if (!narrowing) for (const input of byId("filters").elements) if (input.name) input.value = state[input.name];
   const set = Object.values(filters(state)).filter(Boolean).length;
   byId("filter-count").textContent = set ? `(${set})` : "";
+  showFacets(state);
 }
 
 /** Search for the text in the search box; a new question closes an open clip and drops likeness or a selection. */

@@ -4,6 +4,7 @@
 
 import * as api from "./api.js";
 import { byId, clamp, clock, el } from "./dom.js";
+import { asksSide, stacked } from "./stacks.js";
 import { clipsOf, filters, link } from "./state.js";
 
 const PAGE = 24;
@@ -45,6 +46,7 @@ export class Results {
     byId("more-error").textContent = "";
     byId("chips").hidden = Boolean(state.q || state.like || state.ids);
     byId("others").hidden = true;
+    byId("recent-chips").classList.toggle("unasked", !byId("chips").hidden);
     for (const chip of byId("chips").children) chip.href = link({ q: chip.dataset.q, view: "", clip: "" });
     const { signal } = this.running;
     const waiting = setTimeout(() => this.#wait(state), SLOW);
@@ -52,7 +54,8 @@ export class Results {
     try {
       const { hits, message, total } = await answer(state, 0, wanted, signal);
       if (signal.aborted) return;
-      this.grid.show(hits);
+      this.seen = new Map();
+      this.grid.show(stacked(hits, asksSide(state.q), this.seen));
       this.#report(state, hits, message);
       this.#offerMore(hits.length, wanted, total);
     } catch (error) {
@@ -75,8 +78,10 @@ export class Results {
     try {
       const { hits, total } = await answer(this.state, this.offset, PAGE, signal);
       if (signal.aborted) return;
-      this.grid.add(hits);
-      this.grid.focus(this.offset);
+      const before = this.grid.cards.length;
+      this.grid.add(stacked(hits, asksSide(this.state.q), this.seen));
+      this.grid.refreshCopies();
+      this.grid.focus(before);
       this.#offerMore(hits.length, PAGE, total);
     } catch (error) {
       if (!signal.aborted) byId("more-error").textContent = /** @type {Error} */ (error).message;
@@ -118,7 +123,7 @@ export class Results {
       byId("chips").hidden = true;
       this.#notice("Nothing is indexed yet", "Index a folder of motion capture in a terminal; what it finds appears here by itself:", el("code", {}, "motionseek index my_mocap/"), el("p", { class: "after" }, "Or drop motion files or a folder on this page to see what they are."));
     } else if (!hits.length) this.#notice("Nothing found", "There are no clips to show.");
-    else if (state.q && hits.every((hit) => hit.strength === "weak"))
+    else if (state.q && hits.every((hit) => hit.strength === "weak" && !hit.matched?.length))
       this.#notice("No good match", `The clips nearest to “${state.q}” are all weak matches. Try plainer words: what the body does, with which hand or foot, in which direction.`);
   }
 
@@ -168,9 +173,15 @@ async function selected(state, offset, count, signal) {
 
 const plural = (/** @type {number} */ n, /** @type {string} */ thing) => `${n.toLocaleString("en")} ${thing}${n === 1 ? "" : "s"}`;
 
+<<<<<<< HEAD
 /** @param {import("./api.js").Hit[]} hits @param {string} thing @param {string} q @param {number} asked how many were asked for */
 function counted(hits, thing, q, asked) {
   const sure = hits.filter(({ strength }) => strength === "strong" || strength === "plausible").length;
+=======
+/** @param {import("./api.js").Hit[]} hits @param {string} thing @param {string} q */
+function counted(hits, thing, q) {
+  const sure = hits.filter(({ strength, matched }) => strength === "strong" || strength === "plausible" || matched?.length).length;
+>>>>>>> 9f9a939 (Keep a tray, stars, tags, facets, stacks and recent questions on the page)
   if (!hits.length) return `Nothing found for “${q}”`;
   const things = (/** @type {number} */ n) => plural(n, thing);
   if (sure && sure === hits.length) return `${things(sure)}${sure < asked ? "" : " or more"} for “${q}”`;
@@ -179,4 +190,4 @@ function counted(hits, thing, q, asked) {
 }
 
 /** A whole clip as a hit without a score. @param {import("./api.js").MotionInfo} info */
-const whole = (info) => /** @type {any} */ ({ clip: info.clip, path: info.path, start: info.start, end: info.start + info.duration, duration: info.duration, strength: "", caption: info.captions?.[0]?.text ?? "" });
+const whole = (info) => /** @type {any} */ ({ clip: info.clip, path: info.path, start: info.start, end: info.start + info.duration, duration: info.duration, strength: "", caption: info.captions?.[0]?.text ?? "", starred: info.starred, tags: info.tags });

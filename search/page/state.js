@@ -16,6 +16,9 @@ const MOST = 1_000_000; // clips of a selection
  * @property {string} format
  * @property {string} rig          the name of a rig
  * @property {string} captioned    "true" or "false"
+ * @property {string} starred      "true"
+ * @property {string} tag          the name of a tag
+ * @property {string} collection
  * @property {string} like         a clip: show similar clips…
  * @property {string} from         …or clips similar to this span of it
  * @property {string} to
@@ -29,7 +32,7 @@ const MOST = 1_000_000; // clips of a selection
  * @property {string[]} ask        further sentences asked of the open clip
  */
 
-const NAMES = /** @type {const} */ (["q", "moments", "min", "max", "path", "format", "rig", "captioned", "like", "from", "to", "ids", "view", "clip", "a", "b", "with", "c"]);
+const NAMES = /** @type {const} */ (["q", "moments", "min", "max", "path", "format", "rig", "captioned", "starred", "tag", "collection", "like", "from", "to", "ids", "view", "clip", "a", "b", "with", "c"]);
 
 /** @returns {State} */
 export function read(hash = location.hash) {
@@ -110,6 +113,6 @@ document.addEventListener("click", (event) => {
 }); // a link adds an entry that knows what is below it
 
 /** The filters as the server takes them. @param {State} state */
-export const filters = ({ min, max, path, format, rig, captioned }) => ({
-  min_duration: min, max_duration: max, path, format, rig, captioned,
+export const filters = ({ min, max, path, format, rig, captioned, starred, tag, collection }) => ({
+  min_duration: min, max_duration: max, path, format, rig, captioned, starred, tag, collection,
 }); // prettier-ignore
