@@ -1,1 +1,1 @@
-"""Check a library, mend it, and forget what it need not keep."""
+"""Check a library, mend it, forget what it need not keep, and watch its folders."""

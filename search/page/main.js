@@ -12,7 +12,7 @@ import { listenToQuestion, showQuestion } from "./question.js";
 import * as recent from "./recent.js";
 import { Results } from "./results.js";
 import { listenToShortcuts } from "./shortcuts.js";
-import { readStacks } from "./stacks.js";
+import { areStacked, readStacks } from "./stacks.js";
 import { Stage } from "./stage.js";
 import { CLOSED, close, entry, link, read, subscribe } from "./state.js";
 import { changeTheme, onTheme } from "./theme.js";
@@ -115,7 +115,7 @@ async function updateLibrary() {
     select.replaceChildren(select.options[0], ...Object.keys(counts).map((value) => el("option", { value }, `${value} (${counts[value]})`)));
     select.value = read()[name];
   }
-  readStacks(askAgain);
+  readStacks(() => areStacked(grid.hits) && askAgain());
   if (!changed) return;
   showFacets(read(), true);
   plane.refresh({ again: true });

@@ -26,6 +26,9 @@ export async function readStacks(changed) {
   if (stacks.size) changed();
 }
 
+/** Whether hits that are shown may belong together. @param {import("./api.js").Hit[]} hits */
+export const areStacked = (hits) => hits.filter(({ clip }) => stacks.has(/** @type {number} */ (clip))).length > 1;
+
 /**
  * The first hit of each stack, with those that it stands for as `copies`.
  * @param {import("./api.js").Hit[]} hits @param {boolean} sided @param {Map<string, import("./api.js").Hit>} seen the first hits of stacks so far

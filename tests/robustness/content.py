@@ -9,7 +9,11 @@ import numpy as np
 
 from encoders.protocol import Encoder
 from indexer.ingest import indexing
+from indexer.store.library_reader import FOLDER
+from indexer.store.marks import marks_table
+from indexer.store.marks.marks_table import COLLECTION, STAR, TAG
 from indexer.store.stored_library import StoredLibrary
+from indexer.store.writer import writing
 from tests.indexer.folders import SmallBundle, write
 
 #: The captions of a folder, as a table, and after it was changed.
@@ -23,6 +27,9 @@ def make(folder: Path, clips: int = 8) -> Path:
     (folder / "take 1.txt").write_text("a person walks\n")
     (folder / "captions.csv").write_text(TABLE)
     indexing.index(folder, bundle=SmallBundle(), jobs=1)
+    with writing(folder / FOLDER) as writer, writer.batch():
+        for kind, name, ids in ((STAR, "", (1, 5)), (TAG, "fight", (2, 5)), (COLLECTION, "reel", (3,))):
+            marks_table.add(writer.connection, ids, kind, name)
     return folder
 
 
@@ -51,6 +58,7 @@ def content(folder: Path, bundle: Encoder) -> dict[str, Any]:
         texts, owners, rows = library.caption_vectors()
         found = {
             "captions": sorted((c.path, [x.document() for x in library.captions(c.id)]) for c in clips.values()),
+            "marks": {clip.path: library.marks(clip.id).document() for clip in clips.values()},
             "poses": {clip.path: library.motion(clip.id).joints for clip in clips.values()},
             "nearest": [[clips[i].path for i in row] for row in library.nearest_clips(queries, 1)[1].tolist()],
             "best": library.nearest_windows(queries, 5)[0],  # of windows alike, any may come first

@@ -74,7 +74,7 @@ def index(
     """
     from encoders.bundle.known_models import load_model
     from indexer.ingest import indexing
-    from indexer.ingest import watch as watching
+    from indexer.maintenance import watch as watching
     from search.cli import terminal
     from search.cli.locate import VARIABLE
     from search.cli.progress import progress_bar
@@ -121,7 +121,7 @@ def index(
 def _watch(folders: Sequence[str], known: bytes, run: Callable[[], Summary]) -> int:
     """Run again whenever a file has changed, until Ctrl-C; what ends a run is said, and the next change tries again."""
     from encoders.errors import MotionSeekError
-    from indexer.ingest import watch as watching
+    from indexer.maintenance import watch as watching
     from search.cli import terminal
 
     terminal.note("watching; press Ctrl-C to stop")

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from indexer.ingest import indexing, watch
+from indexer.ingest import indexing
+from indexer.maintenance import watch
 from search.cli.piped import clips_in
 from search.library import Library
 from tests.search.conftest import Run, made_motion
