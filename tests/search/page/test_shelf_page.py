@@ -50,6 +50,8 @@ def test_clips_are_selected_starred_tagged_and_downloaded_as_one_archive(opened,
         page.locator("#grid .pick").nth(place).check()
     until(page, "document.getElementById('tray-count').textContent === '2 selected'")
     page.wait_for_selector("#tray-marks:not([hidden])")
+    tray = page.locator("#tray").bounding_box()
+    assert tray["y"] + tray["height"] == page.evaluate("innerHeight")
     page.locator("#tray-star").click()
     until(page, "document.getElementById('tray-status').textContent === 'Starred 2'")
     page.locator("#tray-tag").fill("fight")
