@@ -173,15 +173,9 @@ async function selected(state, offset, count, signal) {
 
 const plural = (/** @type {number} */ n, /** @type {string} */ thing) => `${n.toLocaleString("en")} ${thing}${n === 1 ? "" : "s"}`;
 
-<<<<<<< HEAD
 /** @param {import("./api.js").Hit[]} hits @param {string} thing @param {string} q @param {number} asked how many were asked for */
 function counted(hits, thing, q, asked) {
-  const sure = hits.filter(({ strength }) => strength === "strong" || strength === "plausible").length;
-=======
-/** @param {import("./api.js").Hit[]} hits @param {string} thing @param {string} q */
-function counted(hits, thing, q) {
   const sure = hits.filter(({ strength, matched }) => strength === "strong" || strength === "plausible" || matched?.length).length;
->>>>>>> 9f9a939 (Keep a tray, stars, tags, facets, stacks and recent questions on the page)
   if (!hits.length) return `Nothing found for “${q}”`;
   const things = (/** @type {number} */ n) => plural(n, thing);
   if (sure && sure === hits.length) return `${things(sure)}${sure < asked ? "" : " or more"} for “${q}”`;
