@@ -18,7 +18,13 @@ def as_tsv(segments: Sequence[Segment], path: str) -> str:
 def as_document(segments: Sequence[Segment], path: str) -> dict[str, object]:
     """The segments as plain data."""
     rows = [
-        {"start": round(s.start, 3), "end": round(s.end, 3), "label": s.label, "score": round(s.score, 4)}
+        {
+            "start": round(s.start, 3),
+            "end": round(s.end, 3),
+            "label": s.label,
+            "score": round(s.score, 4),
+            "strength": s.strength,
+        }
         for s in segments
     ]
     return {"path": path, "duration": round(segments[-1].end - segments[0].start, 3), "segments": rows}

@@ -16,6 +16,7 @@ from search.moments.window_scores import Vectors
 from search.query.encoding import encode_queries
 from search.query.question import EncodedQuestion
 from search.query.vocabulary import vocabulary
+from search.ranking.strength import Judge
 from search.source import MotionSource
 
 #: The label of what none of the labels fits.
@@ -30,12 +31,13 @@ _BACKGROUND_PERCENTILE = 90
 
 @dataclass(frozen=True)
 class Segment:
-    """A span in seconds, its label (`UNKNOWN` where none fits) and its mean similarity to it."""
+    """A span in seconds, its label (`UNKNOWN` where none fits), its mean similarity to it, and how strong that is."""
 
     start: float
     end: float
     label: str
     score: float
+    strength: str = ""
 
 
 def segment_motion(encoder: Encoder, source: MotionSource, labels: Sequence[str] | None = None) -> list[Segment]:
@@ -63,12 +65,15 @@ def segment_motion(encoder: Encoder, source: MotionSource, labels: Sequence[str]
     path = best_path(np.vstack([np.zeros(excess.shape[1]), excess]), _SWITCH * encoder.fps)
     starts = np.flatnonzero(np.diff(path, prepend=-1))
     ends = np.append(starts[1:], len(path))
+    used = np.unique(path[path > 0]) - 1
+    judges = {label: Judge(encoder, EncodedQuestion(queries[[label]], (labels[label],))) for label in used}
     return [
         Segment(
             source.start + float(a / encoder.fps),
             source.start + (float(b / encoder.fps) if b < len(path) else source.duration),
             labels[path[a] - 1] if path[a] else UNKNOWN,
             float(similarity[path[a] - 1, a:b].mean()) if path[a] else 0.0,
+            judges[path[a] - 1]([similarity[path[a] - 1, a:b].max()]) if path[a] else "",
         )
         for a, b in zip(starts, ends, strict=True)
     ]

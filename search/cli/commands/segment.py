@@ -81,5 +81,5 @@ def segment(
     if as_json:
         terminal.document(as_document(segments, source.path))
     elif out is None:
-        rows = [(f"{s.start:.1f}", f"{s.end:.1f}", s.label or "-", f"{s.score:.3f}") for s in segments]
-        terminal.table(("start", "end", "label", "score"), rows, right=("start", "end", "score"))
+        rows = [(f"{s.start:.1f}", f"{s.end:.1f}", s.label or "-", f"{s.score:.3f}", s.strength) for s in segments]
+        terminal.table(("start", "end", "label", "score", "strength"), rows, right=("start", "end", "score"))
