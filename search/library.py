@@ -400,7 +400,9 @@ class Library(MarkedLibrary):
             return self._clip_hits(question, k, least, allowed)
         source, (start, end) = self.source(ref, fps=fps, up=up), checked_span(*span_of(ref, start, end))
         motion = source.comparable_cut(start, end)
-        is_cut = motion.duration < source.duration - 0.5 / motion.fps
+        # A span that is a whole clip of the library means the clip; of a file, --start 0 means that it is a cut.
+        is_whole_clip = source.clip_id >= 0 and motion.duration > source.duration - 0.5 / motion.fps
+        is_cut = (start, end) != (None, None) and not is_whole_clip
         question = EncodedQuestion(self.bundle.encode_motions([motion]), kind="motion")
         if source.clip_id >= 0:
             allowed = np.setdiff1d(self.ids() if allowed is None else allowed, [source.clip_id])

@@ -273,12 +273,20 @@ def rank_windows(
 def rank_by_window(
     gallery: WindowGallery, query: Vectors, *, allowed: NDArray[np.int64] | None = None
 ) -> Iterator[ClipScore]:
-    """Every clip once, by the first of its `rank_windows`."""
+    """Every clip once, by its nearest window; best first, in an order that does not depend on how many are consumed."""
+    if len(gallery) == 0 or (allowed is not None and len(allowed) == 0):
+        return
     given: set[int] = set()
-    for window in rank_windows(gallery, query, allowed=allowed):
-        if window.clip_id not in given:
-            given.add(window.clip_id)
-            yield window
+    count = _FIRST_WINDOWS
+    while True:
+        scores, ids, starts, ends = (a[0] for a in gallery.nearest_windows(query[None], count, allowed=allowed))
+        for row in range(int((ids >= 0).sum())):
+            if int(ids[row]) not in given:
+                given.add(int(ids[row]))
+                yield ClipScore(int(ids[row]), float(scores[row]), float(starts[row]), float(ends[row]))
+        if ids[-1] < 0 or count >= _MOST_WINDOWS:
+            return
+        count *= 4
 
 
 def _without_overlap(
