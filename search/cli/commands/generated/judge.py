@@ -56,7 +56,7 @@ def judge(
 
     Texts: a table motions.tsv in FOLDER is used where no --texts are given. References are real motions, each of the
     name of the motion that it is the reference of, unless the table says otherwise. Several FOLDERs are repeats of one
-    generator, each generated with another seed. docs/generated.md has every figure with its definition.
+    generator, each generated with another seed. docs/judging.md has every figure with its definition.
 
     \b
     Examples:
