@@ -48,11 +48,12 @@ def check(place: str | None, repair: bool, sources: bool, folder: str | None, as
     if as_json:
         terminal.document({"found": _records(found.faults), "left": _records(faults), "unchecked": found.unchecked})
         return int(bool(faults))
+    named, left = set(found.faults), set(faults)
     for fault in found.faults:
-        state = "" if not repair else " (cannot be mended)" if fault in faults else " (mended)"
+        state = "" if not repair else " (cannot be mended)" if fault in left else " (mended)"
         terminal.note(f"{fault.what}: {fault.problem}{state}")
     for fault in faults:
-        if fault not in found.faults:
+        if fault not in named:
             terminal.note(f"{fault.what}: {fault.problem}")
     if found.unchecked:
         terminal.note(f"{found.unchecked} rows were written by an earlier version, without digests to compare")
