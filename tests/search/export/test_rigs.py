@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from encoders.errors import MotionSeekWarning, QueryError
+from encoders.errors import MotionSeekWarning, QueryError, UnreadableMotion
 from encoders.motion import Motion
 from indexer.ingest.file_parts import read_take
 from indexer.ingest.load import load_motion
@@ -20,7 +20,7 @@ from tests.conftest import ROOT
 from tests.indexer.formats import fbx_writer as fbx
 from tests.indexer.formats.gltf_files import asset_of
 from tests.indexer.formats.usd_files import usda
-from tests.indexer.performances import Z_UP, Performance, bvh, performance
+from tests.indexer.performances import Z_UP, Performance, bvh, performance, together
 from tests.search.export.test_generations import MOTIONS
 
 AMC = ROOT / "search" / "demo_data" / "session_01.amc"
@@ -39,6 +39,17 @@ def _off(a: Motion, b: Motion) -> float:
     count = min(len(a), len(b))
     seen = [motion.joints[:count] - motion.joints[:count, :1] for motion in (a, b)]
     return float(np.linalg.norm(seen[0] - seen[1], axis=-1).mean() * 100)
+
+
+def test_the_skeleton_may_be_one_of_several_in_a_file(tmp_path: Path) -> None:
+    pair = together(bvh(performance()), bvh(performance("mixamo")))
+    (tmp_path / "pair.bvh").write_text(pair, encoding="utf-8")
+    motion = MotionSource.of_motion(MOTIONS["a walk"]())
+    for part, hips in (("", "Hips"), ("#2", "mixamorig:Hips")):
+        write_cut(motion, tmp_path / "out.bvh", rig=tmp_path / f"pair.bvh{part}")
+        assert read_take(tmp_path / "out.bvh").names[0] == hips
+    with pytest.raises(UnreadableMotion, match="name one of them"):
+        write_cut(motion, tmp_path / "out.bvh", rig=tmp_path / "pair.bvh#3")
 
 
 def test_an_amc_becomes_a_bvh_of_its_own_skeleton_and_rate(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from search.cli import options
 @click.option("--in-place", is_flag=True, help="Leave out the way travelled over the floor, as loops need it.")
 @click.option(
     "--rig",
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    type=click.Path(dir_okay=False, path_type=Path),
     metavar="LIKE.bvh",
     help="Write a .bvh on the skeleton of this file.",
 )
