@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -63,9 +64,12 @@ def test_a_clip_that_was_added_under_a_name_with_the_words_invalidates(
     library.start = lambda: None  # type: ignore[method-assign]  # refreshed by hand
     with TestClient(create_app(library), base_url="http://127.0.0.1:8420") as client:
 
+        def named(query: str) -> list[dict[str, Any]]:
+            hits = client.get("/api/search", params={"q": query, "k": 20}).json()["hits"]
+            return [hit for hit in hits if hit["matched"]]
+
         def names(query: str) -> list[str]:
-            hits = client.get("/api/search", params={"q": query, "k": 1}).json()["hits"]
-            return [hit["path"] for hit in hits if hit["matched"]]
+            return [hit["path"] for hit in named(query)]
 
         assert names("zorros") == names("limping captains") == []
         np.save(folder / "Zorro_01.npy", made_motion(3.0, 44).joints)
@@ -77,7 +81,7 @@ def test_a_clip_that_was_added_under_a_name_with_the_words_invalidates(
         library.mark("Zorro_01.npy", tags="masks", star=True)
         library.refresh()
         assert names("masks") == ["Zorro_01.npy"]
-        assert client.get("/api/search", params={"q": "zorros", "k": 1}).json()["hits"][0]["starred"]
+        assert named("zorros")[0]["starred"]
 
 
 def test_the_least_recently_used_are_evicted() -> None:
