@@ -57,11 +57,12 @@ def joined(pieces: Sequence[Piece], overlap: int) -> Rotated:
 
     A blend takes `overlap` frames; more where the two poses lie far apart, and fewer where a piece is short.
     """
-    done = pieces[0].sampled(0, pieces[0].frames + _LONGEST * overlap)
+    longest = max(_LONGEST * overlap, 1)
+    done = pieces[0].sampled(0, pieces[0].frames + longest)
     length = pieces[0].frames
     for before, piece in pairwise(pieces):
-        most = min(_LONGEST * overlap, before.frames, piece.frames) // 2
-        later = aligned(piece.sampled(-most, piece.frames + _LONGEST * overlap), most, done, length)
+        most = min(longest, before.frames, piece.frames) // 2
+        later = aligned(piece.sampled(-most, piece.frames + longest), most, done, length)
         apart = np.linalg.norm(later.joints_at(most) - done.joints_at(length), axis=-1).mean()
         half = min(max(overlap // 2, round(_SLOWNESS * overlap * float(apart))), most)
         later = later[most - half :]
