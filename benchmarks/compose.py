@@ -64,7 +64,9 @@ def main() -> None:
     sliding = np.mean([foot_sliding(motion.joints, FPS)[1] for motion in best if len(motion) > 1])
     print(f"{'best clips, alone':22} {_fit(library, best, lines, texts)} {'-':>10} {sliding:12.1f}")
     joins, inside = _speeds(made)
-    print(f"joint speed, 99th percentile: at joins {joins:.2f} m/s, in the clips {inside:.2f}, ratio {joins / inside:.2f}")
+    print(
+        f"joint speed, 99th percentile: at joins {joins:.2f} m/s, in the clips {inside:.2f}, ratio {joins / inside:.2f}"
+    )
 
 
 def _unjoined(made: Composition) -> Motion:

@@ -14,7 +14,7 @@ from search.compose.joins import heading
 Array = NDArray[np.float64]
 
 #: What a metre of mean distance between two poses costs in similarity, and a metre a second between their speeds.
-_POSE, _SPEED = 0.3, 0.03
+_POSE, _SPEED = 0.45, 0.045
 _GROUND = np.array([1.0, 0.0, 1.0])
 _FEET = [INDEX[name] for name in ("left_ankle", "right_ankle", "left_foot", "right_foot")]
 #: How much more the feet count: they should not have to slide.

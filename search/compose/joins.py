@@ -20,7 +20,7 @@ from search.compose.rotations import Rotated, concatenated
 Array = NDArray[np.float64]
 
 #: Longest blend, as a multiple of the usual one; half of one, in usual ones, for each metre between two poses.
-_LONGEST, _SLOWNESS = 3, 3.5
+_LONGEST, _SLOWNESS = 4, 5.0
 _GROUND = np.array([1.0, 0.0, 1.0])
 _LEFT = [INDEX["left_hip"], INDEX["left_shoulder"]]
 _RIGHT = [INDEX["right_hip"], INDEX["right_shoulder"]]
@@ -88,7 +88,7 @@ def heading(joints: Array) -> Array:
 
 
 def smooth(share: Array) -> Array:
-    """Shares from 0 to 1 that begin and end without a jump of speed."""
+    """Shares from 0 to 1, eased at both ends: the mean of a straight line and of a smooth step."""
     s = np.clip(share, 0, 1)
-    smoothed: Array = s * s * (3 - 2 * s)
-    return smoothed
+    eased: Array = (s + s * s * (3 - 2 * s)) / 2
+    return eased
