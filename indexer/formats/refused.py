@@ -50,7 +50,7 @@ REFUSED = (
             is_motion=False),
     Refused("CSV", (".csv",), _SAVE, is_motion=False),
     Refused("an archive of this kind", (".tar", ".tgz", ".bz2", ".xz", ".zst", ".7z", ".rar"),
-            "unpack it, or pack it as .zip", rb"7z\xbc\xaf|rar!\x1a|\xfd7zxz|\x28\xb5\x2f\xfd|bzh[1-9]1ay|.{257}ustar",
+            "unpack it, or pack it as .zip", rb"7z\xbc\xaf|rar!\x1a|\xfd7zxz|bzh[1-9]1ay|.{257}ustar",
             is_motion=False),
     Refused("ZIP", (".zip",), "unpack it", is_motion=False),
 )

@@ -59,4 +59,5 @@ def _begins(name: str, word: str) -> bool:
 
 def _expression(words: Sequence[str]) -> str:
     """The words as an expression of FTS5: all of them, each a beginning; "take_01" is two words in a row."""
-    return " ".join('"{}"*'.format(word.replace('"', '""')) for word in words)
+    plain = [word.replace('"', '""').replace("\0", " ") for word in words]  # NUL would end the expression
+    return " ".join(f'"{word}"*' for word in plain)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sqlite3
 from collections.abc import Sequence
 from hashlib import blake2b
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from sqlite_utils import Database
 
 from encoders.motion import Motion
 from encoders.skeleton import BONE_LENGTHS, INDEX, PARENTS, RAW_OFFSETS
@@ -73,3 +75,12 @@ class SmallBundle:
         rows = [np.random.default_rng(list(s.encode())).standard_normal(self.latent_size) for s in sentences]
         latents = np.array(rows).reshape(-1, self.latent_size)
         return (latents / np.linalg.norm(latents, axis=1, keepdims=True)).astype(np.float32)
+
+
+def without_marks(connection: sqlite3.Connection) -> None:
+    """Take from a library what versions 7 and 8 brought: marks, and the words of paths."""
+    connection.execute("DROP TABLE marks")
+    clips = Database(connection).table("clips")
+    clips.disable_fts()
+    connection.execute("ALTER TABLE clips DROP COLUMN words")
+    clips.enable_fts(["name"], create_triggers=True)

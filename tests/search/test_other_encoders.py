@@ -103,7 +103,7 @@ def moving(*parts: dict[str, float]) -> np.ndarray:
 ARM, LEG = {"right_wrist": 0.154}, {"left_ankle": 0.05, "left_foot": 0.05}
 #: "both" fits "right arm and left leg" best as a whole: its arm moves as much as its leg, in "in turn" more.
 CLIPS = {
-    "in turn": moving({"right_wrist": 0.25}, LEG),
+    "in turn": moving({"right_wrist": 0.17}, LEG),
     "both": moving(ARM | LEG),
     "right arm": moving(ARM),
     "left leg": moving(LEG),

@@ -170,7 +170,7 @@ def test_a_file_that_needs_too_much_memory_is_refused_and_the_process_goes_on():
 def test_where_the_system_sets_no_limit_of_memory_a_thread_does(megabytes, code):
     script = (
         "import time; from indexer.ingest import worker_limits as w; w.LIMITS_MEMORY = False\n"
-        f"w.limit(200 << 20, 60.0); held = b'x' * ({megabytes} << 20); time.sleep(0.3)"
+        f"w.limit(200 << 20, 60.0); held = b'x' * ({megabytes} << 20); time.sleep(0.2 if {megabytes} < 100 else 20)"
     )
     ran = subprocess.run([sys.executable, "-c", script], env={**os.environ, "PYTHONPATH": str(ROOT)}, timeout=60)
     assert ran.returncode == code

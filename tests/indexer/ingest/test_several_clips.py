@@ -18,7 +18,7 @@ from indexer.store.library_reader import FILE, FOLDER
 from indexer.store.stored_library import StoredLibrary
 from search.library import Library
 from search.references import find_source
-from tests.indexer.folders import SmallBundle
+from tests.indexer.folders import SmallBundle, without_marks
 from tests.indexer.performances import bvh, performance, together
 
 WALK, RUN = bvh(performance(seed=1)), bvh(performance(seed=2, frames=50))
@@ -238,6 +238,7 @@ def _downgrade(file):
         db.execute(f"ALTER TABLE captions DROP COLUMN {column}")
     for table in digests.COVERED:
         db.execute(f"ALTER TABLE {table} DROP COLUMN digest")
+    without_marks(db)
     db.execute("PRAGMA user_version = 1")
     db.commit()
     db.close()

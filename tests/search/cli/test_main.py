@@ -246,7 +246,7 @@ def test_no_command_loads_torch(indexed: Path, tiny_bundle: Path, tmp_path: Path
         ["duplicates", *library],
         ["compose", "--then", "walks", "2", "-o", str(tmp_path / "y.bvh"), *library],
         ["list", *library],
-        ["tag", "take 3", "--star", *library],
+        ["tag", *library],
         ["duplicates", *library],
         ["check", *library],
         ["forget", "--gone", *library],

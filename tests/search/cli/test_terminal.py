@@ -31,8 +31,8 @@ def width(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> in
 def test_a_pipe_gets_a_line_a_hit_with_its_name_as_it_is(found: Hits, capsys: pytest.CaptureFixture[str]) -> None:
     terminal.hits(found, "walks", as_json=False)
     first, second = capsys.readouterr().out.splitlines()
-    assert first.split("\t") == ["1", "0.500", "plausible", "0.0", "3.0", NAME, "walks far and wide"]
-    assert second.split("\t") == ["2", "0.250", "weak", "1.0", "2.0", "a  b.bvh", ""]
+    assert first.split("\t") == ["1", "0.500", "plausible", "0.0", "3.0", NAME, "walks far and wide", ""]
+    assert second.split("\t") == ["2", "0.250", "weak", "1.0", "2.0", "a  b.bvh", "", ""]
 
 
 def test_no_moment_is_said_so(capsys: pytest.CaptureFixture[str]) -> None:

@@ -114,11 +114,11 @@ def test_facets_count_and_filter(opened, editing):
     formats.locator("button", has_text="bvh").click()
     cards(page, 1)
     assert state(page)["format"] == "bvh"
-    until(page, "document.querySelector('#facets [aria-pressed=true] span').textContent === 'bvh'")
+    until(page, "document.querySelector('#facets [aria-pressed=true] span')?.textContent === 'bvh'")
     formats.locator("button", has_text="bvh").click()
     page.locator("#facets button", has_text="deep er").click()
     until(page, "location.hash.includes('path=deep')")
-    until(page, "document.querySelector('#facets [aria-pressed=true] span').textContent === 'deep er'")
+    until(page, "document.querySelector('#facets [aria-pressed=true] span')?.textContent === 'deep er'")
     assert page.locator("#facets fieldset", has_text="Length").locator("button").all_inner_texts() == ["5 to 10 s\n3"]
     cards(page, 2)
 
