@@ -22,7 +22,10 @@ def progress_bar(unit: str = "files") -> Iterator[Callable[[int, int, str], None
 
     columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
     console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
+    if not console.is_terminal:
+        yield lambda done, total, path: None
+        return
+    with Progress(*columns, console=console, transient=True) as shown:
         task = shown.add_task("", total=None, rate="")
 
         def update(done: int, total: int, path: str) -> None:

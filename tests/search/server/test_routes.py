@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+import shutil
 import threading
 
 import numpy as np
@@ -355,7 +356,8 @@ def test_a_wrong_method_is_405(client):
     assert json.loads(response.text)
 
 
-def test_a_map_that_takes_long_tells_how_far_it_is(served, monkeypatch):
+def test_a_map_that_takes_long_tells_how_far_it_is(served, indexed, monkeypatch):
+    shutil.rmtree(indexed / ".motionseek" / "previews", ignore_errors=True)
     laid_out, reported, go_on = library_routes.make_map, threading.Event(), threading.Event()
 
     def slow(*arguments):
