@@ -34,7 +34,7 @@ $(VENV)/.installed-test: $(VENV)/.installed
 # The CPU build of torch comes first: asked for by another package, pip would take the one with CUDA.
 $(VENV)/.installed-train: $(VENV)/.installed-test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check $(TORCH)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test,lint,train]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test,lint,train,milvus,objects]'
 	touch $@
 
 clean:

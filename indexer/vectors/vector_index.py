@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from indexer.vectors.blocks import IndexRows, SearchResult
 
-if TYPE_CHECKING:
-    from typing_extensions import Self
-
 
 class VectorIndex(Protocol):
-    """An immutable index: `update` gives a new one, so that searches in other threads never meet a change.
+    """An index that is searched. How rows come into it is its own affair, and differs.
 
-    `indexer.vectors.faiss_index.FaissIndex` is the embedded implementation.
+    `indexer.vectors.faiss_index.FaissIndex` is the one in the box: files beside the library, an immutable snapshot of
+    one generation. `indexer.vectors.milvus.milvus_index.MilvusIndex` asks a Milvus server, where clips come and go
+    between two calls.
     """
 
     @property
     def generation(self) -> int:
-        """The library generation whose vectors this holds."""
+        """Which state of the vectors this is: another number whenever they have changed."""
 
     def __len__(self) -> int: ...
-
-    def update(self, generation: int, *, remove: NDArray[np.int64], add: IndexRows) -> Self:
-        """An index without the rows of the owners in `remove`, and then with the rows of `add`."""
 
     def rows_of(self, owners: NDArray[np.int64]) -> IndexRows:
         """All rows of some owners."""

@@ -1,0 +1,336 @@
+"""MilvusCollection: the clips of any number of libraries in one collection of Milvus, with all that hits show of them.
+
+Three partitions have rows of one form. "clips" has a row a clip, its vector as a whole and what is known of it;
+"windows" a row a window, with what filters ask; "state" who has written what, and with which model.
+
+Milvus has no transactions. So a clip is what its one row says: windows name the version of the clip that they belong
+to, and those of another version are not there for readers. What changes a clip writes its new windows first, then its
+row, and removes the old windows last. Ended anywhere, it leaves the old clip or the new one, and at most windows that
+nobody sees and the next run removes.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from hashlib import blake2b
+from itertools import islice
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.errors import BundleMismatch, LibraryError, LibraryNotFound
+from indexer.vectors.milvus.expressions import among, every
+from indexer.vectors.milvus.milvus_address import MilvusAddress
+from indexer.vectors.milvus.milvus_server import TIMEOUT, MilvusServer
+
+Row = dict[str, Any]
+
+CLIPS, WINDOWS, STATE = "clips", "windows", "state"
+#: Fields that every row has besides its key and vector; name -> type of Milvus and, for text, most bytes.
+FIELDS: dict[str, tuple[str, int]] = {
+    "clip": ("INT64", 0),
+    "version": ("INT64", 0),
+    "slot": ("INT64", 0),
+    "start": ("FLOAT", 0),
+    "end": ("FLOAT", 0),
+    "length": ("FLOAT", 0),
+    "duration": ("DOUBLE", 0),
+    "root": ("VARCHAR", 1024),
+    "path": ("VARCHAR", 8192),
+    "folded": ("VARCHAR", 16384),
+    "name": ("VARCHAR", 2048),
+    "rig": ("VARCHAR", 2048),
+    "format": ("VARCHAR", 64),
+    "captioned": ("BOOL", 0),
+    "starred": ("BOOL", 0),
+    "splits": ("ARRAY", 1024),
+    "tags": ("ARRAY", 1024),
+    "collections": ("ARRAY", 1024),
+    "document": ("JSON", 65_536),
+}
+#: What tells the rows of a partition: the length of a window, nothing for a clip as a whole.
+_OF_PART = {CLIPS: "length == 0", WINDOWS: "length > 0"}
+#: What Milvus keeps lists of, to filter by.
+_INDEXED = ("clip", "slot")
+_MOST_OF_ARRAY = 256
+#: The most rows that Milvus answers with at once.
+MOST_ROWS = 16_384
+#: Rows that are written in one call, and clips whose rows are looked for in one.
+_WRITTEN, _CLIPS_ASKED = 512, 512
+_FORMAT = 1
+_ABOUT = "about"
+#: The kind of index and its parameters: milvus-lite compares all rows, a server walks a graph (Malkov and Yashunin,
+#: IEEE TPAMI 42, 2020).
+_INDEX_OF_LITE: tuple[str, Row] = ("FLAT", {})
+_INDEX: tuple[str, Row] = ("HNSW", {"M": 32, "efConstruction": 256})
+
+
+@dataclass(frozen=True)
+class StoredClip:
+    """A clip as it goes into a collection.
+
+    Attributes
+    ----------
+    fields : dict
+        Those of `FIELDS` but for the span.
+    vector : float16 array (D,)
+    lengths, starts, ends : float32 arrays (n,)
+        Of its windows, seconds; of which length of the grid each is.
+    vectors : float16 array (n, D)
+    """
+
+    fields: Row
+    vector: NDArray[np.float16]
+    lengths: NDArray[np.float32]
+    starts: NDArray[np.float32]
+    ends: NDArray[np.float32]
+    vectors: NDArray[np.float16]
+
+    def clip_row(self) -> Row:
+        """The row of the clip as a whole."""
+        end = self.fields["duration"]
+        return self._row(f"{self.fields['clip']:x}", self.vector, 0.0, end, 0.0, self.fields["document"])
+
+    def window_rows(self) -> Iterator[Row]:
+        """The rows of its windows."""
+        parts = zip(self.vectors, self.starts.tolist(), self.ends.tolist(), self.lengths.tolist(), strict=True)
+        for number, (vector, start, end, length) in enumerate(parts):
+            key = f"{self.fields['clip']:x}.{self.fields['version']:x}.{number:x}"
+            yield self._row(key, vector, start, end, length, {})
+
+    def _row(self, key: str, vector: Any, start: float, end: float, length: float, document: Row) -> Row:
+        span = {"start": start, "end": end, "length": length, "document": document}
+        return self.fields | span | {"key": key, "vector": vector.astype(np.float32)}
+
+
+class MilvusCollection:
+    """A collection that is read and written. Safe to share between threads.
+
+    Raises
+    ------
+    LibraryNotFound
+        If there is none, and `create` is not given.
+    LibraryError
+        If it cannot be reached, is none of ours, or is of another version.
+    BundleMismatch
+        If it holds the vectors of another model than the one that is given.
+    """
+
+    def __init__(
+        self,
+        address: MilvusAddress,
+        *,
+        create: tuple[str, str, int] | None = None,
+        timeout: float = TIMEOUT,
+    ) -> None:
+        self.address = address
+        self._server = MilvusServer(address, timeout=timeout)
+        try:
+            if not self._call("has_collection"):
+                if create is None:
+                    raise LibraryNotFound(
+                        f"{address}: no such collection; 'motionseek index FOLDER --vectors {address}' makes it"
+                    )
+                self._create(create)
+            self._call("load_collection")
+            about = self._about()
+            self.fingerprint, self.model, self.size = str(about["fingerprint"]), str(about["model"]), int(about["size"])
+            if create is not None and create[0] != self.fingerprint:
+                raise BundleMismatch(
+                    f"{address}: holds vectors of the model {self.model} ({self.fingerprint[:12]}), not of {create[1]} "
+                    f"({create[0][:12]}); index into another collection, and serve that one when it is full"
+                )
+            self._search_parameters = self._parameters()
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """End the connection."""
+        self._server.close()
+
+    @property
+    def is_lite(self) -> bool:
+        """Whether milvus-lite answers rather than a server."""
+        return self._server.is_lite
+
+    def generation(self) -> int:
+        """A number of 48 bits that is another one after each run that wrote, of whichever library."""
+        written = sorted((row["key"], row["document"].get("written", "")) for row in self._state())
+        return int.from_bytes(blake2b(repr(written).encode(), digest_size=6).digest(), "little")
+
+    def summaries(self) -> list[Row]:
+        """What each library that writes here says of itself."""
+        return [row["document"]["summary"] for row in self._state() if row["key"] != _ABOUT]
+
+    def record_run(self, library: str, summary: Row) -> None:
+        """Say that a library has written; caches of readers are stale from now on."""
+        self._write_state(library, {"written": f"{time.time_ns():x}", "summary": summary})
+
+    def count(self, part: str, condition: str = "") -> int:
+        """How many rows of a partition meet a condition."""
+        these = every([_OF_PART[part], condition])  # milvus-lite counts the rows of all partitions
+        options = {"partition_names": [part], "output_fields": ["count(*)"], "consistency_level": "Strong"}
+        return int(self._call("query", filter=these, **options)[0]["count(*)"])
+
+    def rows(
+        self, part: str, condition: str, fields: Sequence[str], *, limit: int = MOST_ROWS, strong: bool = False
+    ) -> list[Row]:
+        """Rows of a partition that meet a condition, at most `limit`; in any order."""
+        level = "Strong" if strong else "Bounded"
+        options = {"partition_names": [part], "output_fields": list(fields), "consistency_level": level}
+        return list(self._call("query", filter=condition, limit=limit, **options))
+
+    def all_rows(self, part: str, condition: str, fields: Sequence[str]) -> Iterator[Row]:
+        """All rows of a partition that meet a condition, however many; in any order, each once."""
+        options = {"partition_names": [part], "output_fields": list(fields), "consistency_level": "Strong"}
+        iterator = self._call("query_iterator", filter=condition, batch_size=MOST_ROWS // 4, **options)
+        try:
+            while rows := self._server.guarded(iterator.next):
+                yield from rows
+        finally:
+            self._server.guarded(iterator.close)
+
+    def versions(self, clips: Sequence[int], *, strong: bool = False) -> dict[int, Row]:
+        """Of clips that are there: clip -> its version, root and path."""
+        found: dict[int, Row] = {}
+        for first in range(0, len(clips), _CLIPS_ASKED):
+            asked = among("clip", clips[first : first + _CLIPS_ASKED])
+            rows = self.rows(CLIPS, asked, ("clip", "version", "root", "path"), strong=strong)
+            found |= {row["clip"]: row for row in rows}
+        return found
+
+    def nearest(self, part: str, queries: NDArray[np.float32], k: int, condition: str) -> list[list[Row]]:
+        """The rows of a partition nearest to each query, best first, with their scores as "distance"."""
+        found = self._call(
+            "search",
+            data=list(np.ascontiguousarray(queries, np.float32)),
+            anns_field="vector",
+            filter=condition,
+            limit=min(k, MOST_ROWS),
+            output_fields=["clip", "version", "start", "end"],
+            partition_names=[part],
+            search_params={"metric_type": "IP", "params": self._search_parameters(k)},
+            consistency_level="Bounded",
+        )
+        return [[dict(hit["entity"]) | {"distance": hit["distance"]} for hit in hits] for hits in found]
+
+    def put(self, clips: Sequence[StoredClip]) -> list[StoredClip]:
+        """Store clips in place of those of the same number; the ones that another clip's number forbids to store."""
+        before = self.versions([clip.fields["clip"] for clip in clips], strong=True)
+
+        def is_another(clip: StoredClip) -> bool:
+            held = before.get(clip.fields["clip"])
+            return held is not None and (held["root"], held["path"]) != (clip.fields["root"], clip.fields["path"])
+
+        refused = [clip for clip in clips if is_another(clip)]
+        stored = [clip for clip in clips if not is_another(clip)]
+        self._upsert(WINDOWS, (row for clip in stored for row in clip.window_rows()))
+        self._upsert(CLIPS, (clip.clip_row() for clip in stored))
+        replaced = [clip for clip in stored if clip.fields["clip"] in before]
+        self.remove_windows_but([(clip.fields["clip"], clip.fields["version"]) for clip in replaced])
+        return refused
+
+    def remove(self, clips: Sequence[int]) -> None:
+        """Remove clips with their windows."""
+        for first in range(0, len(clips), _CLIPS_ASKED):
+            some = among("clip", clips[first : first + _CLIPS_ASKED])
+            for part in (CLIPS, WINDOWS):
+                self._call("delete", filter=some, partition_name=part)
+
+    def remove_windows_but(self, versions: Sequence[tuple[int, int]]) -> None:
+        """Remove the windows of clips that are of no version given: pairs of a clip and its version, -1 for none."""
+        for first in range(0, len(versions), _CLIPS_ASKED):
+            some = versions[first : first + _CLIPS_ASKED]
+            kept = f"version not in [{', '.join(str(version) for _, version in some)}]"
+            self._call(
+                "delete", filter=every([among("clip", [clip for clip, _ in some]), kept]), partition_name=WINDOWS
+            )
+
+    def _upsert(self, part: str, rows: Iterator[Row]) -> None:
+        while written := list(islice(rows, _WRITTEN)):
+            self._call("upsert", data=written, partition_name=part)
+
+    def _call(self, method: str, **options: Any) -> Any:
+        return self._server.call(method, self.address.collection, **options)
+
+    def _create(self, model: tuple[str, str, int]) -> None:
+        """Make the collection; where others do so at the same time, it is theirs."""
+        fingerprint, name, size = model
+        self.size = size
+        schema, index = self._schema(size)
+        try:
+            self._call("create_collection", schema=schema, index_params=index, consistency_level="Bounded")
+        except LibraryError:
+            if not self._call("has_collection"):
+                raise
+        for part in (CLIPS, WINDOWS, STATE):
+            try:
+                self._call("create_partition", partition_name=part)
+            except LibraryError:
+                if not self._call("has_partition", partition_name=part):
+                    raise
+        self._call("load_collection")
+        if not any(row["key"] == _ABOUT for row in self._state()):
+            self._write_state(_ABOUT, {"format": _FORMAT, "fingerprint": fingerprint, "model": name, "size": size})
+
+    def _schema(self, size: int) -> tuple[Any, Any]:
+        from pymilvus import DataType, MilvusClient
+
+        schema = MilvusClient.create_schema(auto_id=False, enable_dynamic_field=False)
+        schema.add_field("key", DataType.VARCHAR, max_length=64, is_primary=True)
+        schema.add_field("vector", DataType.FLOAT_VECTOR, dim=size)
+        for field, (kind, most) in FIELDS.items():
+            bounded = {"max_length": most} if kind in ("VARCHAR", "ARRAY") else {}
+            if kind == "ARRAY":
+                bounded |= {"element_type": DataType.VARCHAR, "max_capacity": _MOST_OF_ARRAY}
+            schema.add_field(field, getattr(DataType, kind), **bounded)
+        index = MilvusClient.prepare_index_params()
+        kind, parameters = _INDEX_OF_LITE if self.is_lite else _INDEX
+        index.add_index("vector", index_type=kind, metric_type="IP", params=parameters)
+        for field in _INDEXED:
+            index.add_index(field, index_type="INVERTED")
+        return schema, index
+
+    def _about(self) -> Row:
+        """What the collection is; waits a little for whoever is making it at this moment."""
+        for _ in range(20):
+            about = next((row["document"] for row in self._state() if row["key"] == _ABOUT), None)
+            if about is not None:
+                break
+            time.sleep(0.1)
+        if about is None or about.get("format") != _FORMAT:
+            raise LibraryError(
+                f"{self.address}: is no collection of this version of motionseek; index into another one"
+            )
+        return dict(about)
+
+    def _state(self) -> list[Row]:
+        try:
+            return self.rows(STATE, "", ("key", "document"), strong=True)
+        except LibraryError as error:
+            if "partition" not in str(error).lower():
+                raise
+            return []
+
+    def _write_state(self, key: str, document: Row) -> None:
+        blank = {"VARCHAR": "", "ARRAY": [], "JSON": document, "BOOL": False}
+        row = {field: blank.get(kind, 0) for field, (kind, _) in FIELDS.items()}
+        vector = np.zeros(self.size, np.float32)
+        vector[0] = 1.0
+        self._call("upsert", data=[row | {"key": key, "vector": vector, "length": -1.0}], partition_name=STATE)
+
+    def _parameters(self) -> Any:
+        """k -> how far the index of the collection is searched for so many rows."""
+        described = self._call("describe_index", index_name="vector")
+        kind = str((described or {}).get("index_type", "FLAT"))
+
+        def parameters(k: int) -> Row:
+            if kind.startswith("HNSW"):
+                return {"ef": min(max(2 * k, 128), MOST_ROWS * 2)}
+            return {"nprobe": 64} if kind.startswith("IVF") else {}
+
+        return parameters
