@@ -1,11 +1,14 @@
-"""Gait measures and features of synthetic walking, running and sprinting beside real: percentiles and differences.
+"""Measures and features of synthetic motion beside real: percentiles and differences, by gait and by family of actions.
 
-    python -m benchmarks.realism data/mocap captions.jsonl [--worst 12]
+    python -m benchmarks.realism data/mocap captions.jsonl [--worst 12] [--families]
 
 Real clips are the captioned spans of the split `train` whose captions all name the gait alone; synthetic ones
 act the same step forward. Only frames of locomotion count. Printed are, for each measure, the 10th, 50th and 90th
 percentile over synthetic and over real clips, and the share of real clips within the range of the synthetic; then the
 features that differ most: their mean, standard deviation between clips, and standard deviation within a clip.
+
+With `--families` other actions are compared, whole clips of them: how far and fast the body moves and turns, how the
+trunk leans and twists, where the hands are, and how clips begin and end.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.corpus.actions.programs import programs, sample_step
 from encoders.corpus.composition.captioned_motion import real_clips
 from encoders.corpus.composition.synthetic_pairs import synthetic_clip
 from encoders.corpus.scene import ActionStep, Scene
@@ -41,20 +45,43 @@ _BESIDES = re.compile(
     r"danc|wave|carr|hold|arm|hand|hill"
 )
 _SIDES = ("left", "right")
+#: Family, what a caption of it says, and its actions.
+_FAMILIES = (
+    ("strikes", r"\b(punch|box|jab|strik|hook)", ("punch", "box", "jab", "hook")),
+    ("kicks", r"\bkick(?!.*ball)", ("kick", "side kick", "roundhouse kick")),
+    ("evasions and blocks", r"\b(dodg|duck|avoid|evad|block|defen)", ("dodge", "duck", "block")),
+    ("carrying", r"\b(carr|holding)", ("carry", "carry on shoulder")),
+    ("crawling", r"\bcrawl", ("crawl",)),
+    ("jumping", r"\b(jump|leap)", ("jump", "leap")),
+    ("standing", r"\bstand(s|ing)?\b(?! up)", ("stand",)),
+    ("leaning, bending, twisting", r"\b(lean|bend|twist)", ("lean", "bend forward", "twist torso", "side bend")),
+    ("throwing and swinging", r"\b(throw|swing|golf)", ("throw", "golf swing", "swing bat", "tennis swing")),
+    ("lying and getting up", r"\b(lay|lie|lying|gets? up|falls?)\b", ("lie down", "get up", "fall")),
+)
 
 
 def main() -> None:
-    """Print two tables a gait."""
+    """Print two tables a gait, or one a family."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("captions", type=Path)
     parser.add_argument("--worst", type=int, default=12)
     parser.add_argument("--synthetic", type=int, default=150, help="clips of each gait")
+    parser.add_argument("--families", action="store_true", help="compare families of actions instead of gaits")
     arguments = parser.parse_args()
     takes = captioned_takes(arguments.folder, arguments.captions, "train")
     real = [clip for take in takes for clip in real_clips(take, _BODY, varied=False)]
     rng = np.random.default_rng(0)
-    for action, pattern, speed in _GAITS:
+    for name, pattern, actions in _FAMILIES if arguments.families else ():
+        fitting = [x for x, captions in real if any(re.search(pattern, caption) for caption in captions)]
+        scenes = [Scene(((sample_step(programs()[action], rng),),)) for action in actions]
+        clips = [
+            synthetic_clip(scenes[i % len(scenes)], rng, _BODY, count=1).features for i in range(arguments.synthetic)
+        ]
+        print(f"\n{name}: {len(fitting)} real clips, {len(clips)} synthetic")
+        if fitting:
+            _table([carriage(x) for x in clips], [carriage(x) for x in fitting])
+    for action, pattern, speed in () if arguments.families else _GAITS:
         fitting = [x for x, captions in real if all(re.search(pattern, c) and not _BESIDES.search(c) for c in captions)]
         scene = Scene(((ActionStep(action, direction="forward"),),))
         clips = [synthetic_clip(scene, rng, _BODY, count=1).features for _ in range(arguments.synthetic)]
@@ -136,8 +163,48 @@ def _swing(angles: NDArray[np.float64]) -> float:
     return float((high - low).mean())
 
 
+def carriage(x: Array) -> dict[str, float]:
+    """How the whole body moves in one clip's features (T, F), whatever it does: metres, seconds, degrees."""
+    points = x[:, LAYOUT["positions"]].reshape(len(x), -1, 3).astype(np.float64)
+    place = {name: points[:, i] for i, name in enumerate(POINTS)}
+    up, velocity = x[:, LAYOUT["trunk_up"]].astype(np.float64), x[:, LAYOUT["root_velocity"]].astype(np.float64)
+    hips, chest = (np.unwrap(_yaw(x[:, LAYOUT[f"{part}_forward"]]), period=360) for part in ("pelvis", "chest"))
+    lean, aside = np.degrees(np.arctan2(up[:, 2], up[:, 1])), np.degrees(np.arcsin(np.clip(up[:, 0], -1, 1)))
+    wrists = np.stack([place[f"{s}_wrist"] - place[f"{s}_shoulder"] for s in _SIDES])
+    wrists[1, :, 0] *= -1
+    feet = np.stack([place[f"{s}_ankle"] for s in _SIDES])
+    ankles = np.stack(
+        [x[:, LAYOUT["velocities"]].reshape(len(x), -1, 3)[:, POINTS.index(f"{s}_ankle")] for s in _SIDES]
+    )
+    moving, second = np.abs(x[:, LAYOUT["velocities"]]).mean(1), int(FPS)
+    return {
+        "speed of the hips": float(np.hypot(velocity[:, 0], velocity[:, 2]).mean()),
+        "fastest (95 %)": float(np.percentile(np.hypot(velocity[:, 0], velocity[:, 2]), 95)),
+        "yaw rate (95 %, degrees/s)": float(np.percentile(np.abs(np.degrees(x[:, LAYOUT["yaw_rate"]])), 95)),
+        "lean": float(lean.mean()),
+        "lean's range": float(np.ptp(np.percentile(lean, [5, 95]))),
+        "sideways lean's range": float(np.ptp(np.percentile(aside, [5, 95]))),
+        "twist, chest against hips": float(np.abs(chest - hips).mean()),
+        "twist's range": float(np.ptp(np.percentile(chest - hips, [5, 95]))),
+        "speed of the feet": float(np.linalg.norm(ankles, axis=-1).mean()),
+        "feet apart, sideways": float(np.abs(feet[0, :, 0] - feet[1, :, 0]).mean()),
+        "feet apart, along": float(np.abs(feet[0, :, 2] - feet[1, :, 2]).mean()),
+        "wrist outward": float(wrists[..., 0].mean()),
+        "wrist height": float(wrists[..., 1].mean()),
+        "wrist ahead": float(wrists[..., 2].mean()),
+        "hands apart in height": float(np.abs(wrists[0, :, 1] - wrists[1, :, 1]).mean()),
+        "wrist height, first second": float(wrists[:, :second, 1].mean()),
+        "wrist height, last second": float(wrists[:, -second:, 1].mean()),
+        "movement, first half second": float(moving[: second // 2].mean()),
+        "movement, last half second": float(moving[-second // 2 :].mean()),
+    }
+
+
 def _measure(synthetic: list[Array], real: list[Array]) -> None:
-    ours, theirs = [measures(x) for x in synthetic], [measures(x) for x in real]
+    _table([measures(x) for x in synthetic], [measures(x) for x in real])
+
+
+def _table(ours: list[dict[str, float]], theirs: list[dict[str, float]]) -> None:
     for name in ours[0]:
         a, b = (np.array([clip[name] for clip in clips]) for clips in (ours, theirs))
         low, high = np.percentile(a, [2, 98])

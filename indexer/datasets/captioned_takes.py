@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import repeat
 from pathlib import Path
 from typing import Any
 
 from encoders.corpus.composition.captioned_motion import CaptionedSpan, CaptionedTake
 from encoders.errors import MotionSeekError, QueryError
+from encoders.motion import Motion
 from indexer.datasets.archive_tables import load_row, read_manifest
+from indexer.ingest.load import load_motion
 
 
 def captioned_takes(folder: Path, captions: Path, split: str) -> Iterator[CaptionedTake]:
@@ -36,6 +39,22 @@ def captioned_takes(folder: Path, captions: Path, split: str) -> Iterator[Captio
         timed = captioned.get(row["trial"], ()) if row["kind"] == "take" else ()
         spans = tuple(span for span in timed if span.start < motion.duration - 0.5)
         yield CaptionedTake(row["path"], row["trial"], motion, row["description"], spans)
+
+
+def uncaptioned_takes(folder: Path) -> Iterator[Motion]:
+    """The BVH takes below a folder, without captions; unreadable ones are left out.
+
+    Raises
+    ------
+    QueryError
+        If there is none.
+    """
+    paths = sorted(folder.rglob("*.bvh"))
+    if not paths:
+        raise QueryError(f"{folder}: holds no .bvh files")
+    for path in paths:
+        with suppress(MotionSeekError):
+            yield load_motion(path)
 
 
 def _captioned_spans(captions: Path, split: str) -> dict[str, list[CaptionedSpan]]:

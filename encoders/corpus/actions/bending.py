@@ -20,6 +20,7 @@ from encoders.corpus.engine.curves import (
     standing,
 )
 from encoders.corpus.engine.program import AMPLITUDES, program
+from encoders.corpus.engine.stance import step_about
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import duration
 from encoders.corpus.engine.whole_body_poses import STANDING, down_and_up, irregular_wave, perform, pose, repeated
@@ -69,7 +70,7 @@ def twist_torso(step: ActionStep, manner: Manner, rng: Generator, frames: int) -
     count = step.count or (1 if step.direction else int(rng.integers(2, 6)))
     frames = duration(1.6 * count, step, manner, rng, frames)
     curves = standing(frames, TORSO)
-    size = rng.uniform(0.6, 1.1)
+    size = rng.uniform(0.6, 1.5)
     if step.direction:
         turned = size * repeated(frames, count, rng) * (1.0 if step.direction == "left" else -1.0)
     else:
@@ -79,6 +80,7 @@ def twist_torso(step: ActionStep, manner: Manner, rng: Generator, frames: int) -
     curves.head[:, 2] += 0.3 * turned
     curves.feet[..., 0] *= 1.6
     arms = [HANG, (0.9, 0.0, 0.1), (0.35, -0.65, 0.1), (-0.2, 0.0, 0.45)][int(rng.integers(4))]
+    curves.spine[:, 1] += rng.normal(0.0, 0.15) * turned
     curves.hands[:] += (np.array(arms) - curves.hands) * hold(frames, 0.12, 0.12)[:, None, None]
     return curves
 
@@ -140,17 +142,22 @@ def lunge(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curv
 
 @program("dodge", group="posture", directions=("left", "right", "backward"), counts=(1, 3), weight=1)
 def dodge(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
-    """Get the body out of the way quickly, hands up."""
+    """Get the body out of the way quickly, by a step, a lean or a turn; the hands are anywhere, often on guard."""
     toward = step.direction or str(rng.choice(["left", "right", "backward"]))
     sign = {"left": 1.0, "right": -1.0}.get(toward, 0.0)
     back = -1.0 if not sign else 0.0
-    hands = (-0.15, rng.uniform(-0.6, -0.1), 0.45)
+    hands = [(-0.15, rng.uniform(-0.6, 0.1), 0.4), (0.13, -0.93, 0.1), (0.3, -0.5, 0.3)][int(rng.integers(3))]
+    far, deep, turn = rng.uniform(0.0, 0.45), rng.uniform(0.62, 0.86), rng.normal(0.0, 0.35)
     moved = pose(
-        root=(sign * 0.18, rng.uniform(0.66, 0.8), back * 0.15), pelvis=(0.15 + 0.1 * back, sign * 0.15, 0),
-        spine=(0.15 + 0.35 * back, sign * 0.45, 0), hands=hands, left_feet=(HIP + 0.22 * max(sign, 0), ANKLE, 0),
-        right_feet=(-HIP + 0.22 * min(sign, 0), ANKLE, 0.0),
+        root=(sign * (0.12 + 0.7 * far), deep, back * (0.1 + 0.7 * far)), pelvis=(0.15 + 0.1 * back, sign * 0.15, turn),
+        spine=(rng.uniform(0.0, 0.4) + 0.45 * back, sign * rng.uniform(0.15, 0.7), turn), hands=hands,
+        head=(0, 0, -turn),
+        left_feet=(HIP + far * max(sign, 0), ANKLE, far * back), right_feet=(-HIP + far * min(sign, 0), ANKLE, 0.0),
     )  # fmt: skip
-    return down_and_up(step, manner, rng, frames, moved, seconds=1.2, stay=0.0)
+    curves = down_and_up(step, manner, rng, frames, moved, seconds=rng.uniform(0.9, 1.4), stay=0.15)
+    if rng.random() < 0.6:
+        step_about(curves, rng, rng.uniform(0.2, 1.2))
+    return curves
 
 
 @program("balance on one leg", group="posture", sides=("left", "right"), weight=1.5)

@@ -170,9 +170,15 @@ def crawl(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curv
     curves.root[:, [0, 2]] = trajectory.root[keep]
     curves.root[:, 1] = hips + 0.01 * np.cos(4 * np.pi * phase[keep])
     curves.pelvis[:, 0] = (1.5 if bear else 1.3) + rng.normal(0.0, 0.07)
-    curves.pelvis[:, 2] = 0.1 * np.cos(2 * np.pi * phase[keep])
-    curves.spine[:, 0] = rng.normal(0.12, 0.08)
-    curves.spine[:, 1] = 0.1 * np.cos(2 * np.pi * phase[keep])
+    # On all fours a roll about the level spine is a yaw, and a bend to the side sways the hips.
+    beat = np.cos(2 * np.pi * phase[keep] + rng.normal(0.0, 0.4))
+    curves.heading[:] += rng.uniform(0.02, 0.14) * beat
+    curves.pelvis[:, 2] = rng.uniform(0.04, 0.2) * beat
+    curves.spine[:, 0] = rng.normal(0.12, 0.12)
+    curves.spine[:, 1] = rng.uniform(0.05, 0.3) * beat
+    curves.spine[:, 2] = rng.normal(0.0, 0.12) * beat
+    curves.root[:, 0] += rng.uniform(0.0, 0.03) * beat * np.cos(facing)
+    curves.root[:, 2] -= rng.uniform(0.0, 0.03) * beat * np.sin(facing)
     curves.head[:, 0] = rng.uniform(-1.1, -0.4)
     for side, out in ((LEFT, 1.0), (RIGHT, -1.0)):
         own = phase + (0.0 if side == LEFT else 0.5)

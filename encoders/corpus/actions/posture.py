@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from encoders.corpus.engine.curves import ANKLE, HIP, LEFT, LEGS, RIGHT, Array, Curves, hold, standing
 from encoders.corpus.engine.program import AMPLITUDES, program
+from encoders.corpus.engine.stance import step_about
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.timing import duration
 from encoders.corpus.engine.whole_body_poses import STANDING, down_and_up, irregular_wave, perform, pose
@@ -188,13 +189,19 @@ def crouch(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Cur
 
 @program("duck", group="posture", directions=("down",), weight=1)
 def duck(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
-    """Bend quickly at knees and trunk to let something pass overhead."""
+    """Bend quickly at knees and trunk to let something pass overhead, often with a step or a turn."""
     covered = rng.random() < 0.3
+    aside, turn = rng.normal(0.0, 0.2), rng.normal(0.0, 0.25)
+    hands = [(0.0, -0.5, 0.5), (-0.15, -0.1, 0.35), (0.2, -0.75, 0.3), (0.35, -0.5, 0.2)][int(rng.integers(4))]
     low = pose(
-        root=(0, rng.uniform(0.5, 0.68), -0.1), pelvis=(0.4, 0, 0), spine=(rng.uniform(0.5, 0.8), 0, 0),
-        head=(0.35, 0, 0), hands=(-0.1, 0.4, 0.15) if covered else (0.0, -0.5, 0.5), elbow=0.4 * covered,
+        root=(0.4 * aside, rng.uniform(0.45, 0.7), rng.uniform(-0.15, 0.1)), pelvis=(rng.uniform(0.2, 0.5), 0, turn),
+        spine=(rng.uniform(0.3, 0.9), aside, turn), head=(rng.uniform(-0.2, 0.4), 0, 0),
+        hands=(-0.1, 0.4, 0.15) if covered else hands, elbow=0.4 * covered,
     )  # fmt: skip
-    return down_and_up(step, manner, rng, frames, low, seconds=1.3, stay=0.0)
+    curves = down_and_up(step, manner, rng, frames, low, seconds=rng.uniform(0.9, 1.5), stay=0.1)
+    if rng.random() < 0.5:
+        step_about(curves, rng, rng.uniform(0.2, 1.2))
+    return curves
 
 
 @program("kneel", group="posture", sides=("left", "right", "both"), heights=("low",), weight=1.5)

@@ -15,6 +15,7 @@ from numpy.random import Generator
 
 from encoders.corpus.actions.programs import program_of
 from encoders.corpus.composition.facts import facts
+from encoders.corpus.composition.open_scenes import open_directions
 from encoders.corpus.composition.synthetic_pairs import caption_and_hard_negative
 from encoders.corpus.language.parsing import parse
 from encoders.corpus.scene import ActionStep, Scene
@@ -77,10 +78,10 @@ def scene_of_caption(caption: str) -> Scene | None:
 
 
 def _with_default_direction(scene: Scene) -> Scene:
-    """The scene with locomotion of unspecified direction set to forward."""
+    """The scene with locomotion of unspecified direction set to forward, unless the action leaves it open."""
 
     def going(step: ActionStep) -> ActionStep:
-        goes = program_of(step.action).group == "locomotion" and "forward" in program_of(step.action).directions
+        goes = program_of(step.action).group == "locomotion" and open_directions(step.action) == ("forward",)
         return replace(step, direction=step.direction or ("forward" if goes else ""))
 
     return Scene(tuple(tuple(going(step) for step in group) for group in scene.steps))

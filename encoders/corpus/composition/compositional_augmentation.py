@@ -18,8 +18,9 @@ from encoders.corpus.actions.programs import programs, sample_step
 from encoders.corpus.composition.caption_augmentation import scene_of_caption
 from encoders.corpus.composition.captioned_motion import CaptionedTake, mirror_words
 from encoders.corpus.composition.concatenation import concatenate_clips
+from encoders.corpus.composition.open_scenes import complete_scene
 from encoders.corpus.composition.scene_clips import make_clip
-from encoders.corpus.composition.synthetic_pairs import caption_and_hard_negative, complete_scene
+from encoders.corpus.composition.synthetic_pairs import caption_and_hard_negative
 from encoders.corpus.language.lexicon import entry_of
 from encoders.corpus.language.normalisation import drop_auxiliaries, drop_subject, normalise
 from encoders.corpus.language.verbs import lemmas
@@ -136,6 +137,14 @@ def _chest(joints: Array) -> Array:
     up /= np.maximum(np.linalg.norm(up, axis=-1, keepdims=True), 1e-6)
     axes: Array = np.stack([left, up, np.cross(left, up)], axis=-1)
     return axes
+
+
+def upright_hands(joints: Array) -> Array:
+    """Wrists (T, 2, 3) outward, upward and forward of their own shoulders, in arm lengths, in the trunk's axes."""
+    upper, lower = (np.linalg.norm(joints[:, _ARM[:, i]] - joints[:, _ARM[:, i - 1]], axis=-1) for i in (1, 2))
+    local = np.einsum("tij,tsi->tsj", _chest(joints), joints[:, _ARM[:, 2]] - joints[:, _ARM[:, 0]])
+    hands: Array = local * np.array([[1, 1, 1], [-1, 1, 1]], np.float32) / (upper + lower)[..., None]
+    return hands
 
 
 def synthetic_gesture(rng: Generator) -> CaptionedSegment:

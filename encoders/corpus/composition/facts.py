@@ -13,6 +13,8 @@ from itertools import combinations, product
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.corpus.composition.open_scenes import open_directions
+from encoders.corpus.engine.program import REGISTERED
 from encoders.corpus.scene import ActionStep, Scene
 
 #: Action -> the more general action that people also call it (hypernyms).
@@ -30,7 +32,6 @@ _ALSO_CALLED = {
     "left": ("forward-left",), "right": ("forward-right",), "forward-left": ("left",), "forward-right": ("right",),
     "backward-left": ("backward",), "backward-right": ("backward",),
 }  # fmt: skip
-_AHEAD = "direction=forward"
 _ATTRIBUTES = tuple(f.name for f in fields(ActionStep) if f.name != "action")
 
 
@@ -76,7 +77,7 @@ class Underspecified:
         self._action = np.array([actions.setdefault(f.partition(".")[0], len(actions)) for f in vocabulary], np.int64)
         self._general = np.array([actions.get(_salient_kind_of(fact), -1) for fact in vocabulary], np.int64)
         attributes = [fact.partition(".")[2] for fact in vocabulary]
-        self._attribute = np.array([p not in ("", _AHEAD) for p in attributes], np.bool_)
+        self._attribute = np.array([bool(fact.partition(".")[2]) and not _expected(fact) for fact in vocabulary])
         self._direction = np.array([p.startswith("direction=") for p in attributes], np.bool_)
         self._side = np.array([p.startswith("side=") for p in attributes], np.bool_)
         self._both = np.array([p == "side=both" for p in attributes], np.bool_)
@@ -107,6 +108,15 @@ class Underspecified:
         table = np.zeros((len(sets), self._actions), np.bool_)
         table[rows, action[members]] = True
         return table
+
+
+def _expected(fact: str) -> bool:
+    """Whether a fact is a direction that people need not name, such as forward."""
+    action, _, attribute = fact.partition(".")
+    name, _, direction = attribute.partition("=")
+    usual = open_directions(action) if action in REGISTERED else ()
+    expected = {"forward", *usual}.union(*(_ALSO_CALLED.get(way, ()) for way in usual))
+    return name == "direction" and direction in expected
 
 
 def _salient_kind_of(fact: str) -> str:

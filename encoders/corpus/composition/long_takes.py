@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from encoders.corpus.actions.programs import program_of
 from encoders.corpus.composition.concatenation import concatenate_clips
 from encoders.corpus.composition.facts import facts
+from encoders.corpus.composition.open_scenes import complete_scene
 from encoders.corpus.composition.scene_clips import make_clip
-from encoders.corpus.composition.synthetic_pairs import complete_scene
 from encoders.corpus.heldout.queries import ACTION_QUERIES, STYLE_PHRASES, action_query, with_style
 from encoders.corpus.language.caption_generation import describe
 from encoders.corpus.language.random_scenes import random_scene

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.random import Generator
 
 from encoders.corpus.actions.programs import parts_of, program_of
-from encoders.corpus.engine.arm_carriage import carry_idle_hands
+from encoders.corpus.composition.open_scenes import LASTING, complete_scene
+from encoders.corpus.engine.arm_carriage import carry_idle_hands, hold_arms
 from encoders.corpus.engine.clip_ends import begin_and_end
-from encoders.corpus.engine.curves import CHANNELS, Array, Curves
+from encoders.corpus.engine.curves import ARMS, CHANNELS, Array, Curves
 from encoders.corpus.engine.joining import at_rest, chain, overlay, pause, smooth_noise
 from encoders.corpus.engine.posing import pose, random_geometry
-from encoders.corpus.engine.stance import Stance, sample_stance, stand
+from encoders.corpus.engine.stance import Stance, sample_stance, stand, step_about
 from encoders.corpus.engine.style import STYLES, apply_manner, sample_individual, sample_manner
 from encoders.corpus.heldout.heldout_styles import HELD_OUT_STYLES
 from encoders.corpus.scene import ActionStep, Scene, SceneClip
@@ -39,48 +39,56 @@ def perform_step(
     return stand(curves, stance, rng) if stance else curves
 
 
-def _perform_group(group: Sequence[ActionStep], individual: Array, stance: Stance, rng: Generator) -> Curves:
+#: Actions of the legs that arms may accompany in any way, beside those that occupy no arm.
+_ARMS_FREE = frozenset(
+    {"jump", "leap", "jump over", "step over", "step up", "step down", "squat", "lunge", "kneel", "crouch", "sit"}
+    | {"sit down", "stand up", "kick", "side kick", "roundhouse kick", "knee strike", "kick ball", "raise leg"}
+    | {"raise knee", "leg swing", "stretch leg", "balance on one leg", "bend forward", "dodge", "get pushed"}
+)
+_FREE_SHARE, _STEPPING = 0.3, 0.25
+
+
+def _perform_group(
+    group: Sequence[ActionStep], individual: Array, stance: Stance, rng: Generator, variation: float
+) -> Curves:
     """Simultaneous steps: the one that needs the legs (else the first) carries the others."""
     if len(group) == 1:
-        return perform_step(group[0], individual, rng, 0, stance)
+        step, parts = group[0], parts_of(group[0])
+        curves = perform_step(step, individual, rng, 0, stance)
+        if (step.action in _ARMS_FREE or not parts & ARMS) and rng.random() < _FREE_SHARE * variation:
+            hold_arms(curves, rng)
+        restless = program_of(step.action).group in ("gesture", "object", "sport", "exercise") or step.action == "stand"
+        if restless and rng.random() < _STEPPING * variation:
+            step_about(curves, rng, rng.uniform(0.1, 0.5 if step.action == "stand" else 1.1))
+        return curves
     carrier = max(range(len(group)), key=lambda i: ("legs" in parts_of(group[i]), -i))
-    extras = [perform_step(step, individual, rng) for i, step in enumerate(group) if i != carrier]
-    longest = max(map(len, extras))
+    extras = [(step.action, perform_step(step, individual, rng)) for i, step in enumerate(group) if i != carrier]
+    longest = max(len(curves) for _, curves in extras)
     frames = int(max(longest + rng.integers(4, 24), rng.uniform(2.0, 5.0) * FPS))
     base = perform_step(group[carrier], individual, rng, frames, stance)
-    for extra in extras:
-        base = overlay(base, extra, int(rng.integers(0, max(len(base) - len(extra), 0) + 1)))
+    for action, extra in extras:
+        if action in LASTING and rng.random() < 0.6 * variation:  # held before the clip begins, and after it ends
+            base = overlay(base, _stretched(extra, len(base)), 0, eased=False)
+        else:
+            base = overlay(base, extra, int(rng.integers(0, max(len(base) - len(extra), 0) + 1)))
     return base
 
 
-_LYING = ("backward", "backward", "forward", "left", "right")
-_SEATS = ("middle", "middle", "middle", "middle", "low")
-
-
-def _consistent(scene: Scene, rng: Generator) -> list[tuple[ActionStep, ...]]:
-    """The scene's steps, with unspecified directions of lying and heights of seats set alike."""
-    lying, seat = str(rng.choice(_LYING)), str(rng.choice(_SEATS))
-    groups = []
-    for group in scene.steps:
-        decided = []
-        for step in group:
-            action = program_of(step.action)
-            if "floor" in (action.starts, action.ends) and lying in action.directions and action.group == "posture":
-                lying = step.direction or lying
-                step = replace(step, direction=lying)
-            elif "sit" in (action.starts, action.ends) and seat in action.heights:
-                seat = step.height or seat
-                step = replace(step, height=seat)
-            decided.append(step)
-        groups.append(tuple(decided))
-    return groups
+def _stretched(curves: Curves, frames: int) -> Curves:
+    """The middle of a movement that lasts, as many frames of it, there and back."""
+    first, last = len(curves) // 3, max(len(curves) * 2 // 3, len(curves) // 3 + 2)
+    there = np.arange(first, last)
+    at = np.resize(np.concatenate([there, there[::-1]]), frames)
+    return Curves(curves.data[at], [(0, frames)], curves.parts)
 
 
 def perform_scene(scene: Scene, rng: Generator, *, variation: float = 1.0) -> Curves:
     """Perform a whole scene by one performer; one span per step group."""
     individual = sample_individual(rng) * variation
     stance = sample_stance(rng, variation)
-    movements = [_perform_group(group, individual, stance, rng) for group in _consistent(scene, rng)]
+    movements = [
+        _perform_group(group, individual, stance, rng, variation) for group in complete_scene(scene, rng).steps
+    ]
     movements = [
         pause(m, 0, int(rng.integers(1, 16))) if rng.random() < 0.25 * variation and at_rest(m, -1) else m
         for m in movements
@@ -94,8 +102,8 @@ def perform_scene(scene: Scene, rng: Generator, *, variation: float = 1.0) -> Cu
 #: Amplitude of slow noise on each channel: metres, radians, arm lengths.
 _NOISE = np.zeros(CHANNELS)
 _NOISE[[0, 1, 2]] = [0.004, 0.002, 0.004]
-_NOISE[4:7] = 0.018
-_NOISE[7:10] = 0.03
+_NOISE[4:7] = 0.025
+_NOISE[7:10] = [0.035, 0.045, 0.06]
 _NOISE[10:13] = 0.06
 for _arm in (25, 35):
     _NOISE[_arm : _arm + 3] = 0.018
@@ -106,6 +114,10 @@ _FEET = [13, 14, 15, 19, 20, 21]
 def _add_noise(curves: Curves, rng: Generator, variation: float) -> None:
     strength = variation * float(np.exp(rng.normal(0.0, 0.5)))
     curves.data += strength * _NOISE * smooth_noise(len(curves), CHANNELS, rng, 1.2)
+    # Nobody is straight: each performer holds hips and chest a little turned, and leans.
+    aside, twist = variation * rng.normal(0.0, [0.035, 0.07])
+    curves.spine[:, 1:] += [aside, twist]
+    curves.pelvis[:, 2] -= 0.4 * twist
     if rng.random() < 0.3 * variation:  # slight foot sliding and floating, as in imperfect captures
         curves.data[:, _FEET] += rng.uniform(0.0, 0.012) * smooth_noise(len(curves), len(_FEET), rng, 2.0)
 

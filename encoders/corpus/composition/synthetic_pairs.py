@@ -9,8 +9,8 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from encoders.corpus.actions.programs import program_of
 from encoders.corpus.composition.facts import entailment, facts
+from encoders.corpus.composition.open_scenes import accompanied, complete_scene, unmentioned
 from encoders.corpus.composition.scene_clips import make_clip
 from encoders.corpus.language.caption_generation import describe
 from encoders.corpus.language.hard_negatives import contrasting_scene
@@ -51,18 +51,6 @@ def relevance(clips: Sequence[SyntheticClip]) -> NDArray[np.bool_]:
     return entailment([clip.meanings[0] for clip in clips], shown) | np.eye(len(clips), dtype=bool)
 
 
-def complete_scene(scene: Scene, rng: Generator) -> Scene:
-    """The scene with unspecified sides sampled and unspecified directions set to forward: all its facts are known."""
-
-    def completed(step: ActionStep) -> ActionStep:
-        action = program_of(step.action)
-        side = step.side or (str(rng.choice(action.sides)) if action.sides else "")
-        ahead = "forward" if "forward" in action.directions else ""
-        return replace(step, side=side, direction=step.direction or ahead)
-
-    return Scene(tuple(tuple(completed(step) for step in group) for group in scene.steps))
-
-
 def synthetic_clip(
     scene: Scene,
     rng: Generator,
@@ -83,7 +71,7 @@ def synthetic_clip(
     held_out : callable, optional
         True for sentences that must not be used.
     """
-    whole = complete_scene(scene, rng)
+    whole = complete_scene(accompanied(scene, rng), rng)
     clip = make_clip(whole, rng)
     stated = {text: (facts(scene), "") for text in captions}
     for _ in range(count):
@@ -111,6 +99,7 @@ def caption_and_hard_negative(scene: Scene, rng: Generator) -> tuple[str, frozen
     Both are generated from the same random state, so that most differ only in the order, side, direction or count.
     """
     shown, seed = facts(scene), int(rng.integers(2**62))
+    scene = unmentioned(scene, rng)
     scene = _without_side(scene) if rng.random() < _SIDE_OMITTED else scene
     caption = describe(scene, np.random.default_rng(seed))
     contrast = contrasting_scene(scene, rng)

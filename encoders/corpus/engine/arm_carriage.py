@@ -1,11 +1,12 @@
-"""Arm carriage: where idle hands are held (pockets, hips, clasped, far from the body), depending on the style."""
+"""Arm carriage: where idle hands are held (pockets, hips, clasped, far from the body), by style or at random."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.random import Generator
 
-from encoders.corpus.engine.curves import Curves
+from encoders.corpus.engine.curves import Array, Curves, ease
+from encoders.corpus.engine.joining import smooth_noise
 
 #: Carriage -> wrists (outward, upward, forward of the own shoulder in arm lengths; left, right) and elbow swing.
 CARRIAGES: dict[str, tuple[tuple[tuple[float, float, float], tuple[float, float, float]], float]] = {
@@ -71,3 +72,51 @@ def carry_idle_hands(curves: Curves, rng: Generator, carriage: str = "") -> None
     curves.hands[:] += (hands - curves.hands) * weight[..., None]
     if carriage:
         curves.elbow[:] += elbow * weight
+
+
+#: Further places of a wrist under which legs are to be recognised: (outward, upward, forward) in arm lengths.
+_HELD: dict[str, tuple[tuple[float, float, float], ...]] = {
+    "on guard": ((-0.2, -0.1, 0.35), (-0.15, 0.1, 0.4), (-0.22, -0.35, 0.35)),
+    "loaded": ((-0.2, -0.4, 0.48), (-0.1, -0.55, 0.4), (-0.1, 0.12, 0.15), (-0.25, -0.1, 0.45)),
+    "bent": ((0.1, -0.55, 0.5), (0.05, -0.6, 0.35), (0.15, -0.45, 0.4)),
+    "at the head": ((-0.12, 0.3, 0.12), (-0.2, 0.2, 0.25), (0.0, 0.4, 0.0)),
+    "up": ((0.15, 0.85, 0.1), (0.3, 0.6, 0.15), (0.1, 0.45, 0.35), (0.35, 0.35, 0.2)),
+    "out": ((0.9, -0.1, 0.1), (0.75, -0.45, 0.15), (0.6, 0.1, 0.3)),
+    "ahead": ((-0.1, -0.1, 0.9), (0.0, -0.3, 0.75), (-0.2, 0.15, 0.7)),
+    "hanging": ((0.13, -0.96, 0.08), (0.2, -0.9, 0.15), (0.08, -0.95, -0.05)),
+}
+
+
+def hold_arms(curves: Curves, rng: Generator) -> None:
+    """Hold one arm or both anywhere instead of as the action has them, in place: legs go under any arms.
+
+    Little or much of the arms' own movement stays; they are held throughout, or taken there or away on the way.
+    """
+    frames = len(curves)
+    named = rng.random() < 0.4
+    pair = CARRIAGES[list(CARRIAGES)[int(rng.integers(len(CARRIAGES)))]][0] if named else (_held(rng),) * 2
+    if not named and rng.random() < 0.45:  # each arm its own way
+        pair = (pair[0], _held(rng))
+    arms = [(0, 1), (0, 1), (0, 1), (0,), (1,)][int(rng.integers(5))]
+    weight = np.ones(frames)
+    if rng.random() < 0.3:
+        weight = ease((np.arange(frames) / frames - rng.uniform(0.0, 0.6)) / rng.uniform(0.1, 0.3))
+        weight = weight[::-1] if rng.random() < 0.5 else weight
+    own, alive = rng.uniform(0.0, 0.7) * float(rng.random() < 0.7), float(rng.gamma(1.0, 0.04))
+    moving = alive * smooth_noise(frames, 6, rng, rng.uniform(0.6, 2.5)).reshape(frames, 2, 3)
+    place = np.array(pair) + rng.normal(0.0, 0.06, (2, 3))
+    target = place + moving + own * (curves.hands - curves.hands.mean(axis=0))
+    for arm in arms:
+        _blend(curves.hands[:, arm], target[:, arm], weight[:, None])
+        _blend(curves.hang[:, arm], np.full(frames, rng.uniform(0.1, 0.6)), weight)
+        _blend(curves.elbow[:, arm], np.full(frames, rng.normal(0.15, 0.3)), weight)
+        curves.reach_weight[:, arm] *= 1 - weight
+
+
+def _held(rng: Generator) -> tuple[float, float, float]:
+    places = list(_HELD.values())[int(rng.integers(len(_HELD)))]
+    return places[int(rng.integers(len(places)))]
+
+
+def _blend(channel: Array, target: Array, weight: Array) -> None:
+    channel += (target - channel) * weight

@@ -10,7 +10,8 @@ from encoders.corpus.engine.joining import at_rest, pause
 from encoders.corpus.scene import Scene
 
 _LONGEST = 50  #: most frames of standing at either end
-_CUT = 9  #: most frames removed by a cut, so that actions stay recognisable
+_CUT = 9  #: most frames that an ordinary cut removes
+_MIDST = 0.3  #: most of a clip that is removed at either end where it begins or ends in the midst of an action
 _FEW = 24  #: fewest frames of a clip after a cut
 
 
@@ -24,9 +25,10 @@ def begin_and_end(curves: Curves, scene: Scene, rng: Generator, variation: float
     if after > 14 and rng.random() < 0.3:
         _shift_foot(curves, len(curves) - after, len(curves), rng)
     counted = any(step.count for group in scene.steps for step in group)
-    if counted or rng.random() > 0.2 * variation:
+    if counted or rng.random() > 0.3 * variation:
         return curves
-    return _cut(curves, rng)
+    deep = len(scene.steps) == 1 and rng.random() < 0.4
+    return _cut(curves, rng, max(_CUT, int(_MIDST * len(curves))) if deep else _CUT)
 
 
 def _idle(curves: Curves, frame: int, rng: Generator, variation: float) -> int:
@@ -49,10 +51,10 @@ def _shift_foot(curves: Curves, start: int, stop: int, rng: Generator) -> None:
     curves.root[inside, 0] += 0.02 * np.sin(np.pi * share) * (-1 if foot == LEFT else 1)
 
 
-def _cut(curves: Curves, rng: Generator) -> Curves:
-    """Remove some frames of the movement at either end or both."""
+def _cut(curves: Curves, rng: Generator, most: int) -> Curves:
+    """Remove up to `most` frames of the movement at either end or both."""
     sides = rng.integers(1, 4)
-    first, last = (int(rng.integers(1, _CUT + 1)) if sides & bit else 0 for bit in (1, 2))
+    first, last = (int(rng.integers(1, most + 1)) if sides & bit else 0 for bit in (1, 2))
     frames = len(curves) - first - last
     if frames < _FEW:
         return curves

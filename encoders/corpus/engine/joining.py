@@ -90,10 +90,11 @@ def chain(movements: Sequence[Curves]) -> Curves:
     return joined
 
 
-def overlay(base: Curves, extra: Curves, start: int) -> Curves:
+def overlay(base: Curves, extra: Curves, start: int, *, eased: bool = True) -> Curves:
     """Body-part overlay from frame `start` (as in SINC): the parts that `extra` occupies follow it, all others `base`.
 
     Hands that reach for places in the world follow the moving body. `base` holds its last frame until `extra` ends.
+    `eased`: `extra` takes over, and lets go, within some frames.
     """
     frames = max(len(base), start + len(extra))
     data = np.concatenate([base.data, np.repeat(base.data[-1:], frames - len(base), axis=0)])
@@ -106,7 +107,7 @@ def overlay(base: Curves, extra: Curves, start: int) -> Curves:
     moving.reach[..., 2] = z * cos - x * sin + carrier.root[:, 2:]
     channels = np.concatenate([PART_CHANNELS[part] for part in sorted(extra.parts)])
     inside = np.arange(len(extra))
-    weight = ease((inside + 1) / 6) * ease((len(extra) - inside) / 6)
+    weight = ease((inside + 1) / 6) * ease((len(extra) - inside) / 6) if eased else np.ones(len(extra))
     data[span, channels] += (moving.data[:, channels] - data[span][:, channels]) * weight[:, None]
     first, last = base.spans[0][0], base.spans[-1][1]
     return Curves(data, [(min(first, start), max(last, start + len(extra)))], base.parts | extra.parts)

@@ -99,10 +99,17 @@ class Cue:
 
 
 Blocking = Callable[[Cue], list[KeyPose]]
+Finish = Callable[[Cue, Curves], None]
 
 
 def keyframed(
-    name: str, *, group: str, parts: Iterable[str] = BODY, precise: bool = False, **attributes: object
+    name: str,
+    *,
+    group: str,
+    parts: Iterable[str] = BODY,
+    precise: bool = False,
+    finish: Finish | None = None,
+    **attributes: object,
 ) -> Callable[[Blocking], Blocking]:
     """Register a function from a `Cue` to key poses as an action program.
 
@@ -112,6 +119,8 @@ def keyframed(
         Occupied body parts; "lead_arm" is the leading arm, or both.
     precise : bool
         Whether hands touch something, so that their positions vary little.
+    finish : callable, optional
+        Changes the curves, in place, after the key poses are played.
     **attributes
         As for `encoders.corpus.engine.program.program`.
     """
@@ -124,10 +133,13 @@ def keyframed(
             cue = Cue(step, manner, rng, frames)
             pace = float(np.exp(-np.clip(manner.pace, -0.5, 0.4) + rng.normal(0.0, 0.12)))
             keys = blocking(cue)
-            return play(
+            curves = play(
                 keys, rng, lead=cue.lead, both=cue.both, tempo=_TEMPO[step.speed] * pace, frames=frames, parts=owned,
                 precise=precise, reach=float(np.exp(0.3 * np.clip(manner.reach, -0.8, 0.5))),
             )  # fmt: skip
+            if finish is not None:
+                finish(cue, curves)
+            return curves
 
         return blocking
 

@@ -14,13 +14,15 @@ import numpy as np
 
 from encoders.corpus.composition.caption_augmentation import augment_captions
 from encoders.corpus.composition.captioned_motion import CaptionedTake, real_clips
-from encoders.corpus.composition.compositional_augmentation import augmented_clips
+from encoders.corpus.composition.compositional_augmentation import augmented_clips, captioned_segments
 from encoders.corpus.composition.facts import facts
+from encoders.corpus.composition.idle_motion import idle_clips
 from encoders.corpus.composition.seeds import TRAINING
 from encoders.corpus.composition.synthetic_pairs import synthetic_clips
 from encoders.corpus.language.held_out_sentences import HeldOutSentences
 from encoders.corpus.scene import Scene
 from encoders.features.registry import FEATURE_KINDS, FeatureKind
+from encoders.motion import Motion
 from encoders.tmr.training.pairs import Pair, PairStore
 
 SHARD = 2500
@@ -84,14 +86,26 @@ def _synthesise_shard(
 
 
 def real_store(
-    takes: Iterable[CaptionedTake], kind: FeatureKind, *, varied: bool, held_out: HeldOutSentences, augmented: int = 0
+    takes: Iterable[CaptionedTake],
+    kind: FeatureKind,
+    *,
+    varied: bool,
+    held_out: HeldOutSentences,
+    augmented: int = 0,
+    idle: Sequence[Motion] = (),
 ) -> PairStore:
-    """Pairs of captioned takes, and `augmented` more by compositional augmentation."""
+    """Pairs of captioned takes, and `augmented` more by compositional augmentation.
+
+    Where there is motion of people who wait, `idle`, two thirds as many more are made with it.
+    """
     takes = list(takes)
     own = ((Pair(x, captions), None) for take in takes for x, captions in real_clips(take, kind, varied=varied))
     new = (
         (Pair(kind.compute(x.motion), x.captions, hard_negatives=x.hard_negatives), x.scene)
-        for x in augmented_clips(takes, augmented, np.random.default_rng(TRAINING))
+        for x in chain(
+            augmented_clips(takes, augmented, np.random.default_rng(TRAINING)),
+            idle_clips(idle, list(captioned_segments(takes)), augmented * 2 // 3, np.random.default_rng(TRAINING)),
+        )
     )
     rng = np.random.default_rng(TRAINING)
     allowed = ((kept, scene) for pair, scene in chain(own, new) if (kept := _without(pair, held_out)).captions)

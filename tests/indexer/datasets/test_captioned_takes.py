@@ -11,7 +11,8 @@ import pytest
 from encoders.corpus.composition.captioned_motion import CaptionedSpan, CaptionedTake
 from encoders.errors import QueryError, UnreadableMotion
 from encoders.motion import Motion
-from indexer.datasets.captioned_takes import captioned_takes
+from indexer.datasets import captioned_takes as module
+from indexer.datasets.captioned_takes import captioned_takes, uncaptioned_takes
 
 COLUMNS = ("path", "trial", "kind", "split", "use", "fps_in_file", "fps_true", "description")
 ROWS = (
@@ -97,3 +98,22 @@ def test_what_cannot_be_read_is_named_in_one_error(folder: Path, asked: dict[str
         lines.write_text({"empty": "", "no json": "{", "no split": '{"trial": "1"}'}[damage], encoding="utf-8")
     with pytest.raises(QueryError, match="manifest.tsv: " if damage == "no columns" else "captions.jsonl: "):
         takes(folder, "train")
+
+
+def test_takes_without_captions_are_all_readable_bvh_files_of_a_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    still = Motion(np.zeros((20, 22, 3), np.float32))
+
+    def load(path: Path) -> Motion:
+        if path.stem == "broken":
+            raise UnreadableMotion(path, "not a BVH file")
+        return still
+
+    monkeypatch.setattr(module, "load_motion", load)
+    with pytest.raises(QueryError, match=r"no \.bvh"):
+        list(uncaptioned_takes(tmp_path))
+    (tmp_path / "below").mkdir()
+    for name in ("one.bvh", "broken.bvh", "below/two.bvh", "notes.txt"):
+        (tmp_path / name).touch()
+    assert list(uncaptioned_takes(tmp_path)) == [still, still]

@@ -42,6 +42,18 @@ def test_sentences_are_held_out_of_training_only(people: tuple[Path, Path]) -> N
     assert validation.texts == ["a man walks", "somebody strolls"]
 
 
+def test_people_who_wait_are_a_part_of_what_is_trained_on(
+    people: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder, captions = people
+    (folder / "waits.bvh").touch()
+    monkeypatch.setattr("indexer.datasets.captioned_takes.load_motion", lambda path: made_motion(6, 0))
+    banned = HeldOutSentences(())
+    alone, _ = real_stores(folder, captions, FEATURE_KINDS["body"], banned)
+    with_idle, _ = real_stores(folder, captions, FEATURE_KINDS["body"], banned, folder)
+    assert len(with_idle) > len(alone)
+
+
 def test_real_clips_without_a_caption_to_train_on_are_an_error(people: tuple[Path, Path]) -> None:
     with pytest.raises(QueryError, match="split 'train'"):
         real_stores(*people, FEATURE_KINDS["body"], HeldOutSentences(["a man hops", "a man walks"]))

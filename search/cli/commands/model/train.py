@@ -38,6 +38,7 @@ _AUGMENTED = 1500
 @click.option("--gaits", type=options.Number(0, 1), default=0.0, help="Share of them that show locomotion alone.")
 @click.option("--real", type=_FOLDER, help="Folder of captioned takes with a manifest.tsv.")
 @click.option("--captions", type=_FILE, help="Their captions, JSON lines.")
+@click.option("--idle", type=_FOLDER, help="Folder of BVH takes of people who stand and wait; needs --real.")
 @click.option("--sentences", type=_FILE, help="Human sentences that synthetic clips act out, one a line.")
 @click.option("--held-out", type=_FILE, multiple=True, help="File of sentences that are never trained on.")
 @click.option("--recipe", metavar="tmr|FILE", help="JSON of the recipe fields to change; tmr: TMR's as published.")
@@ -60,6 +61,7 @@ def train(
     gaits: float,
     real: Path | None,
     captions: Path | None,
+    idle: Path | None,
     sentences: Path | None,
     held_out: tuple[Path, ...],
     recipe: str | None,
@@ -106,7 +108,9 @@ def train(
     language = LanguageModel.load()
     banned = HeldOutSentences(chain(*paraphrase_queries().values(), *(sentences_of(path) for path in held_out)))
     lines = [text for text in sentences_of(sentences) if not banned(text)] if sentences else []
-    real_clips, real_validation = real_stores(real, captions, kind, banned) if real and captions else (None, None)
+    if idle is not None and real is None:
+        raise click.UsageError("--idle adds to takes with captions: give --real and --captions, too")
+    real_clips, real_validation = real_stores(real, captions, kind, banned, idle) if real and captions else (None, None)
     seed = TRAINING + RUNS_APART * chosen.seed
     clips = synthetic_stores(
         run, synthetic, kind.name, lines, banned, gaits=gaits, seed=seed, jobs=jobs, say=click.echo
@@ -201,9 +205,9 @@ def read_recipe(path: Path | None, steps: int | None) -> Recipe:
 
 
 def real_stores(
-    folder: Path, captions: Path, kind: FeatureKind, banned: HeldOutSentences
+    folder: Path, captions: Path, kind: FeatureKind, banned: HeldOutSentences, idle: Path | None = None
 ) -> tuple[PairStore, PairStore | None]:
-    """Real clips to train on, and those to validate on if there are any.
+    """Real clips to train on, also with motion of the folder `idle`, and those to validate on if there are any.
 
     Sentences held out are kept from training only: validation queries with them.
 
@@ -214,10 +218,11 @@ def real_stores(
     """
     from encoders.corpus.language.held_out_sentences import HeldOutSentences
     from encoders.tmr.training.dataset import real_store
-    from indexer.datasets.captioned_takes import captioned_takes
+    from indexer.datasets.captioned_takes import captioned_takes, uncaptioned_takes
 
     takes = captioned_takes(folder, captions, "train")
-    training = real_store(takes, kind, varied=True, held_out=banned, augmented=_AUGMENTED)
+    waiting = list(uncaptioned_takes(idle)) if idle else []
+    training = real_store(takes, kind, varied=True, held_out=banned, augmented=_AUGMENTED, idle=waiting)
     if not len(training):
         raise QueryError(f"{folder}: no take of split 'train' has a caption; see docs/training.md")
     validation = real_store(captioned_takes(folder, captions, "val"), kind, varied=False, held_out=HeldOutSentences(()))

@@ -83,6 +83,9 @@ def test_entailment_needs_all_facts_and_is_false_for_an_empty_meaning() -> None:
         (one("wave", speed="slow"), one("wave", side="both", speed="slow"), True),
         (one("wave", side="both"), one("wave", side="both"), False),
         (one("walk", direction="backward"), one("walk", direction="backward"), False),
+        (one("jump"), one("jump", direction="up"), False),  # where an unspecified jump may go as well
+        (one("jump"), one("jump", direction="backward"), True),
+        (one("lie down"), one("lie down", direction="left"), False),
     ],
 )
 def test_captions_that_omit_a_salient_attribute_are_underspecified(said: Scene, shown: Scene, expected: bool) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from encoders.corpus.engine.curves import LEFT, RIGHT, STAND, standing
-from encoders.corpus.engine.stance import Stance, sample_stance, stand
+from encoders.corpus.engine.stance import Stance, sample_stance, stand, step_about
 
 
 def test_a_stance_moves_the_feet_apart_and_one_ahead() -> None:
@@ -55,3 +55,26 @@ def test_a_stance_leaves_stepping_and_lying_unchanged() -> None:
 
 def test_without_variation_the_stance_is_neutral() -> None:
     assert sample_stance(np.random.default_rng(0), 0.0) == Stance()
+
+
+def test_steps_move_the_hips_while_each_foot_is_planted_or_lifted() -> None:
+    curves = standing(400)
+    step_about(curves, np.random.default_rng(0), 1.0)
+    assert np.hypot(*np.diff(curves.root[:, [0, 2]], axis=0).T).sum() > 2.0
+    assert np.ptp(curves.heading) > 0.3
+    speed = np.hypot(*np.moveaxis(np.diff(curves.feet[..., [0, 2]], axis=0), -1, 0))
+    low = np.abs(curves.feet[..., 1] - standing(1).feet[0, 0, 1]) < 1e-6
+    planted = low[1:] & low[:-1]
+    assert planted.any(axis=0).all()
+    assert speed[planted].max() < 0.01
+    apart = np.hypot(*(curves.feet[:, LEFT] - curves.feet[:, RIGHT])[:, [0, 2]].T)
+    assert apart.max() < 0.9
+
+
+def test_nobody_steps_while_a_foot_is_raised() -> None:
+    curves = standing(100)
+    curves.feet[:, LEFT, 1] += 0.3
+    before = curves.feet.copy()
+    step_about(curves, np.random.default_rng(0), 1.0)
+    assert np.array_equal(curves.feet, before)
+    assert np.ptp(curves.heading) == 0

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from encoders.corpus.composition.scene_clips import perform_scene
-from encoders.corpus.engine.arm_carriage import CARRIAGES
+from encoders.corpus.engine.arm_carriage import CARRIAGES, hold_arms
 from encoders.corpus.engine.curves import HANGING, standing
 from encoders.corpus.engine.style import NEUTRAL, STYLES, apply_manner
 from encoders.corpus.engine.style_variants import STYLE_VARIANTS
@@ -66,3 +66,14 @@ def test_a_carriage_moves_idle_hands_but_not_busy_ones(carriage: str) -> None:
         apply_manner(curves, manner, np.random.default_rng(0))
     assert np.abs(idle.hands - np.array(HANGING)).max() > 0.05
     np.testing.assert_allclose(waving.hands[10:30, 0], np.broadcast_to((0.2, 0.4, 0.3), (20, 3)))
+
+
+def test_arms_are_held_anywhere_and_nothing_else_changes() -> None:
+    places = []
+    for seed in range(40):
+        curves = standing(30)
+        hold_arms(curves, np.random.default_rng(seed))
+        assert np.array_equal(curves.data[:, :25], standing(30).data[:, :25])
+        assert np.abs(curves.hands).max() < 1.5
+        places.append(curves.hands[-1])
+    assert (np.std(places, axis=0) > 0.15).all()
