@@ -10,7 +10,6 @@ from encoders.corpus.engine.curves import (
     ANKLE,
     HIP,
     LEFT,
-    RIGHT,
     SIDE_INDEX,
     STAND,
     TORSO,
@@ -52,7 +51,7 @@ def lean(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curve
     size = rng.uniform(0.35, 0.7) * {"small": 0.6, "": 1.0, "large": 1.5}[step.amplitude]
     bent = size * repeated(frames, count, rng)
     sideways = {"left": 1.0, "right": -1.0}.get(direction, 0.0)
-    along = {"forward": 1.0, "backward": -0.6}.get(direction, 0.0)
+    along = {"forward": 1.0, "backward": -0.85}.get(direction, 0.0)
     curves.spine[:, 1] += 0.85 * sideways * bent
     curves.pelvis[:, 1] += 0.15 * sideways * bent
     curves.root[:, 0] -= 0.06 * sideways * bent
@@ -60,6 +59,7 @@ def lean(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curve
     curves.spine[:, 0] += 0.7 * along * bent
     curves.pelvis[:, 0] += 0.3 * along * bent
     curves.root[:, 2] -= 0.05 * along * bent
+    curves.head[:, 0] += 0.35 * min(along, 0.0) * bent
     curves.feet[..., 0] *= rng.uniform(1.0, 1.8)
     return curves
 
@@ -98,7 +98,7 @@ HANG = (0.2, -0.9, 0.15)
 def lunge(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """A long step with one leg, its knee bent deeply, and back."""
     toward = step.direction or "forward"
-    leg = {"left": LEFT, "right": RIGHT}.get(toward, SIDE_INDEX.get(step.side, int(rng.integers(2))))
+    leg = SIDE_INDEX.get(step.side, SIDE_INDEX.get(toward, int(rng.integers(2))))
     sign = 1.0 if leg == LEFT else -1.0
     own, other = ("left", "right") if leg == LEFT else ("right", "left")
     names = {
@@ -113,7 +113,13 @@ def lunge(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curv
 
     far, depth, trunk = rng.uniform(0.65, 0.9), rng.uniform(0.48, 0.65), (rng.uniform(0.0, 0.3), 0, 0)
     hands = [(0.35, -0.65, 0.1), (0.13, -0.93, 0.1), (-0.3, -0.3, 0.4), (0.0, -0.6, 0.5)][int(rng.integers(4))]
-    if toward in ("left", "right"):
+    if toward in ("left", "right") and SIDE_INDEX[toward] != leg:  # the leg crosses before the other
+        low = lunging(
+            root=(-sign * 0.12, depth, 0.1), pelvis=(0.2, 0, -sign * 0.2), spine=(0.2, 0, 0), hands=hands,
+            foot=(-sign * 0.4, ANKLE, 0.3), other=(-sign * HIP, ANKLE + 0.13, 0.05), other_pitch=-0.9,
+        )  # fmt: skip
+        middle = lunging(root=(-sign * 0.06, 0.82, 0.05), foot=(-sign * 0.12, ANKLE + 0.15, 0.28))
+    elif toward in ("left", "right"):
         low = lunging(
             root=(sign * far * 0.62, depth, -0.1), pelvis=(0.25, 0, 0), spine=(0.25, 0, 0), hands=hands,
             foot=(sign * (far + 0.1), ANKLE, 0.0),

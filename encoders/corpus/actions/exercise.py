@@ -196,13 +196,15 @@ def raise_knee(c: Cue) -> list[KeyPose]:
 
 @keyframed("raise leg", group=GROUP, sides=SIDED, directions=("forward", "backward", "left", "right"), counts=(1, 6))
 def raise_leg(c: Cue) -> list[KeyPose]:
-    """A straight leg lifted and held; to the side it is the leg of that side."""
+    """A straight leg lifted and held; towards the other side it crosses before the standing leg."""
     direction = c.step.direction or ("forward", "side", "backward")[int(c.rng.integers(3))]
     size, keys = c.r(0.7, 1.2), list[KeyPose]()
     place, tip = {
-        "forward": ((0.0, 0.28 * size, 0.6 * size), (-0.2, 0, 0)),
-        "backward": ((0.0, 0.25 * size, -0.6 * size), (0.4 * size, 0, 0)),
-    }.get(direction, ((0.5 * size, 0.25 * size, 0.0), (0, -0.2 * size, 0)))
+        "forward": ((0.0, 0.28 * size, 0.6 * size), (-0.2, 0.0, 0.0)),
+        "backward": ((0.0, 0.25 * size, -0.6 * size), (0.4 * size, 0.0, 0.0)),
+    }.get(direction, ((0.5 * size, 0.25 * size, 0.0), (0.0, -0.2 * size, 0.0)))
+    if c.toward < 0:
+        place, tip = (-0.5 * size, 0.2 * size, 0.22), (0.0, 0.1 * size, 0.2)
     for _ in range(c.times(1, 2)):
         arms = {"hands": c.about((0.7, -0.35, 0.15), 0.1)} if c.chance(0.6) else {}
         keys += [key(c.r(0.5, 0.9), c.r(0.2, 1.4), lead_foot=place, root=(-0.09, 0, 0), pelvis=tip, **arms)]

@@ -14,10 +14,10 @@ from encoders.corpus.engine.whole_body_poses import STANDING, perform, pose
 from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
-_SIDES = ("backward", "forward", "left", "right")
+WAYS = ("backward", "forward", "left", "right")
 
 
-def _lying(way: str, rng: Generator) -> Array:
+def lying_row(way: str, rng: Generator) -> Array:
     """A lying row: on the back ("backward"), the belly ("forward") or a side; the hips half a metre that way."""
     hands = [(0.15, -0.95, 0.05), (0.6, -0.6, 0.05), (0.3, 0.9, 0.05), (-0.2, -0.45, 0.25)][int(rng.integers(4))]
     if way == "backward":
@@ -80,62 +80,62 @@ def _down(way: str, rng: Generator) -> list[Array]:
     return [pose(root=(0, 0.42, -0.1), spine=(0.6, 0, 0), hands=(0.1, -0.7, 0.4)), seated]
 
 
-@program("lie down", group="posture", directions=_SIDES, ends="floor", weight=2)
+@program("lie down", group="posture", directions=WAYS, ends="floor", weight=2)
 def lie_down(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Get down and lie on the back (backward), the belly (forward) or a side."""
-    way = step.direction or str(rng.choice(_SIDES, p=[0.55, 0.25, 0.1, 0.1]))
+    way = step.direction or str(rng.choice(WAYS, p=[0.55, 0.25, 0.1, 0.1]))
     first, second = _down(way, rng)
-    lying = _lying(way, rng)
+    lying = lying_row(way, rng)
     frames = duration(4.2, step, manner, rng, frames)
     return perform(frames, [(0.02, STANDING), (0.3, first), (0.55, second), (0.85, lying), (1.0, lying)])
 
 
-@program("get up", group="posture", directions=_SIDES, starts="floor", weight=2)
+@program("get up", group="posture", directions=WAYS, starts="floor", weight=2)
 def get_up(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Rise from lying on the back (backward), the belly (forward) or a side to standing."""
-    way = step.direction or str(rng.choice(_SIDES, p=[0.55, 0.25, 0.1, 0.1]))
+    way = step.direction or str(rng.choice(WAYS, p=[0.55, 0.25, 0.1, 0.1]))
     first, second = _down(way, rng)
-    lying = _lying(way, rng)
+    lying = lying_row(way, rng)
     frames = duration(4.0, step, manner, rng, frames)
     return perform(frames, [(0.1, lying), (0.4, second), (0.65, first), (0.95, STANDING), (1.0, STANDING)])
 
 
-@program("lie", group="posture", directions=_SIDES, starts="floor", ends="floor")
+@program("lie", group="posture", directions=WAYS, starts="floor", ends="floor")
 def lie(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Lie still."""
     frames = duration(3.5, step, manner, rng, frames)
-    row = _lying(step.direction or str(rng.choice(_SIDES)), rng)
+    row = lying_row(step.direction or str(rng.choice(WAYS)), rng)
     curves = perform(frames, [(0.0, row), (1.0, row)])
     breath = np.sin(2 * np.pi * rng.uniform(0.2, 0.35) * np.arange(frames) / FPS)
     curves.spine[:, 0] += 0.015 * breath
     return curves
 
 
-@program("fall", group="posture", directions=_SIDES, ends="floor", weight=2)
-def fall(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
-    """Fall to the ground, forward, backward or to a side, and stay there; sometimes get up."""
-    way = step.direction or str(rng.choice(_SIDES))
-    lying = _lying(way, rng)
-    wobble = pose(root=(0, 0.87, 0), spine=(0.2, 0.1, 0), hands=(0.5, -0.3, 0.3))
+def falling_row(way: str) -> Array:
+    """Half-way to the ground, the arms flung out to catch the body."""
     if way == "forward":
-        going = pose(
+        return pose(
             root=(0, 0.55, 0.3), pelvis=(0.75, 0, 0), spine=(0.2, 0, 0), head=(-0.5, 0, 0), hands=(0.0, 0.2, 0.75),
             foot_pitch=-0.7, feet=(HIP, ANKLE + 0.06, -0.05),
         )  # fmt: skip
-    elif way == "backward":
-        going = pose(
-            root=(0, 0.42, -0.4),
-            pelvis=(-0.55, 0, 0),
-            spine=(0.6, 0, 0),
-            head=(0.3, 0, 0),
-            hands=(0.5, -0.2, 0.45),
+    if way == "backward":
+        return pose(
+            root=(0, 0.42, -0.4), pelvis=(-0.55, 0, 0), spine=(0.6, 0, 0), head=(0.3, 0, 0), hands=(0.5, -0.2, 0.45),
             foot_pitch=0.4,
-        )
-    else:
-        sign = 1.0 if way == "left" else -1.0
-        going = pose(
-            root=(sign * 0.3, 0.5, 0), pelvis=(0.1, sign * 0.8, 0), spine=(0.3, -sign * 0.2, 0), hands=(0.5, -0.2, 0.4)
-        )
+        )  # fmt: skip
+    sign = 1.0 if way == "left" else -1.0
+    return pose(
+        root=(sign * 0.3, 0.5, 0), pelvis=(0.1, sign * 0.8, 0), spine=(0.3, -sign * 0.2, 0), hands=(0.5, -0.2, 0.4)
+    )
+
+
+@program("fall", group="posture", directions=WAYS, ends="floor", weight=2)
+def fall(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
+    """Fall to the ground, forward, backward or to a side, and stay there; sometimes get up."""
+    way = step.direction or str(rng.choice(WAYS))
+    lying = lying_row(way, rng)
+    wobble = pose(root=(0, 0.87, 0), spine=(0.2, 0.1, 0), hands=(0.5, -0.3, 0.3))
+    going = falling_row(way)
     frames = duration(rng.uniform(2.0, 3.5), step, manner, rng, frames)
     drop = rng.uniform(0.45, 0.8) * FPS / frames
     begin = rng.uniform(0.1, 0.35)
@@ -157,7 +157,7 @@ def faint(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curv
         hands=(0.2, -0.9, 0.1),
     )
     frames = duration(3.2, step, manner, rng, frames)
-    lying = _lying(way, rng)
+    lying = lying_row(way, rng)
     return perform(frames, [(0.0, STANDING), (0.3, limp), (0.5, sunk), (0.68, lying), (1.0, lying)])
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import ArrayLike
 
 from encoders.corpus.engine.curves import (
     ANKLE,
@@ -18,12 +19,14 @@ from encoders.corpus.engine.curves import (
     Array,
     Curves,
     ease,
+    frames_of,
     standing,
 )
 from encoders.corpus.engine.gait import PAD, Gait, step_along, swing_arms
 from encoders.corpus.engine.program import AMPLITUDES, program
 from encoders.corpus.engine.style import Manner
 from encoders.corpus.engine.trajectories import TURN, effort, plan_gait
+from encoders.corpus.engine.whole_body_poses import perform, pose
 from encoders.corpus.scene import ActionStep
 from encoders.motion import FPS
 
@@ -259,3 +262,57 @@ def hurdle(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Cur
         height=rng.uniform(0.2, 0.4),
         over=0.35,
     )
+
+
+def _crouched(depth: float, hands: ArrayLike) -> Array:
+    return pose(
+        root=(0, STAND - depth, -0.3 * depth), pelvis=(0.9 * depth, 0, 0), spine=(1.6 * depth, 0, 0), hands=hands
+    )
+
+
+@program("jump start", group="locomotion", amplitudes=AMPLITUDES, ends="air", styled=False)
+def jump_start(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
+    """Sink into the knees, push off and rise: a jump as far as its highest point."""
+    high = rng.uniform(0.2, 0.5) * {"small": 0.6, "": 1.0, "large": 1.4}[step.amplitude]
+    dip, push, rise = rng.uniform(0.3, 0.6), 0.17, float(np.sqrt(2 * high / _GRAVITY))
+    total = dip + push + rise
+    back, up = (0.2, -0.8, -0.45), [(0.05, 0.9, 0.2), (0.0, 0.1, 0.8), (0.4, -0.4, 0.3)][int(rng.integers(3))]
+    tiptoe = pose(
+        root=(0, STAND + 0.07, 0.03), feet=(HIP, ANKLE + 0.08, 0.02), foot_pitch=-0.7, hands=(0.3, -0.6, 0.45)
+    )
+    flying = pose(root=(0, STAND + 0.07, 0.03), feet=(HIP, ANKLE + 0.08, 0.0), foot_pitch=-0.8, hands=up)
+    keys = [(0.0, pose()), (dip / total, _crouched(rng.uniform(0.2, 0.35), back)), ((dip + push) / total, tiptoe)]
+    curves = perform(frames_of(total), [*keys, (1.0, flying)])
+    local = np.maximum(np.arange(len(curves)) / FPS - dip - push, 0.0)
+    _raise(curves, np.sqrt(2 * high * _GRAVITY) * local - _GRAVITY / 2 * local**2)
+    return curves
+
+
+@program("land", group="locomotion", amplitudes=AMPLITUDES, starts="air", styled=False)
+def land(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
+    """Come down from a jump or a ledge, absorb it with the knees, and rise; a hard landing goes to a hand."""
+    high = rng.uniform(0.25, 0.8) * {"small": 0.5, "": 1.0, "large": 1.6}[step.amplitude]
+    fall, sink, rest = float(np.sqrt(2 * high / _GRAVITY)), rng.uniform(0.18, 0.3), rng.uniform(0.0, 0.4)
+    rise = rng.uniform(0.4, 0.9)
+    total = fall + sink + rest + rise
+    arms = [(0.6, -0.1, 0.3), (0.35, 0.3, 0.4), (0.3, -0.6, 0.3)][int(rng.integers(3))]
+    flying = pose(
+        root=(0, STAND - 0.03, 0), hands=arms, spine=(0.15, 0, 0), feet=(1.3 * HIP, ANKLE + 0.02, 0.06), foot_pitch=-0.4
+    )
+    touching = pose(root=(0, STAND - 0.08, -0.05), hands=arms, spine=(0.25, 0, 0), feet=(1.3 * HIP, ANKLE, 0.06))
+    low = _crouched(min(0.25 + 0.35 * high, 0.55), (0.2, -0.6, 0.4))
+    if high > 0.6 and rng.random() < 0.4:
+        low = pose(root=(0, 0.36, -0.15), pelvis=(0.6, 0, 0), spine=(0.7, 0, 0), right_reach=(-0.2, 0.05, 0.4))
+    at = np.cumsum([fall, sink, rest]) / total
+    curves = perform(frames_of(total), [(0.0, flying), (at[0], touching), (at[1], low), (at[2], low), (1.0, pose())])
+    curves.feet[..., [0, 2]] = curves.feet[0, :, [0, 2]].T  # they stay where they land
+    curves.feet[..., 1] = np.where(np.arange(len(curves))[:, None] / FPS > fall, ANKLE, curves.feet[..., 1])
+    before = np.minimum(np.arange(len(curves)) / FPS, fall)
+    _raise(curves, high - _GRAVITY / 2 * before**2)
+    return curves
+
+
+def _raise(curves: Curves, by: Array) -> None:
+    """Lift the whole body by (F,) metres, in place."""
+    curves.root[:, 1] += by
+    curves.feet[..., 1] += by[:, None]

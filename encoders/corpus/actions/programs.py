@@ -12,8 +12,11 @@ from encoders.corpus.actions import (
     bowing,
     climbing,
     closed_paths,
+    drills,
     exercise,
+    falls,
     floor,
+    hit_reactions,
     jumps,
     locomotion,
     posture,
@@ -21,6 +24,7 @@ from encoders.corpus.actions import (
     stretching,
     turning,
     unsteady,
+    waiting,
 )
 from encoders.corpus.actions.dance import free, imitation, set_dances
 from encoders.corpus.actions.gestures import alone, directing, feelings, greeting, waving
@@ -34,8 +38,8 @@ from encoders.corpus.scene import ActionStep
 
 #: Modules whose import registers programs: every module of this package but this one, and the held-out one.
 FAMILIES = (
-    *(acrobatics, bending, bowing, climbing, closed_paths, exercise, floor, jumps, locomotion, posture, stepping),
-    *(stretching, turning, unsteady),
+    *(acrobatics, bending, bowing, climbing, closed_paths, drills, exercise, falls, floor, hit_reactions, jumps),
+    *(locomotion, posture, stepping, stretching, turning, unsteady, waiting),
     *(free, imitation, set_dances),
     *(alone, directing, feelings, greeting, waving),
     *(chores, everyday, gripping, handling, music),

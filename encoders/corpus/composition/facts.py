@@ -24,9 +24,12 @@ HYPERNYMS = {
     "balance beam": "walk", "take steps": "walk", "walk half circle": "walk", "walk figure eight": "walk",
     "get pushed": "stumble", "hop": "jump", "leap": "jump",
     "spin jump": "jump", "jump over": "jump", "hurdle": "jump", "army crawl": "crawl", "pivot": "turn",
+    "trip and fall": "fall", "slip and fall": "fall", "collapse": "fall", "die": "fall", "faint": "collapse",
+    "hit from the side": "hit reaction", "hit from behind": "hit reaction", "wait": "stand", "jump start": "jump",
+    "side lunges": "lunge", "touch opposite knee": "touch knee", "touch opposite shoulder": "touch shoulder",
 }  # fmt: skip
 #: Actions that people seldom distinguish from the general one.
-_INTERCHANGEABLE = {"jog"}
+_INTERCHANGEABLE = {"jog", "trip and fall", "slip and fall", "collapse", "faint", "wait"}
 #: Directions with which a direction is also described: a step to the left with the gaze ahead mostly goes ahead, too.
 _ALSO_CALLED = {
     "left": ("forward-left",), "right": ("forward-right",), "forward-left": ("left",), "forward-right": ("right",),

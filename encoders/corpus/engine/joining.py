@@ -31,6 +31,7 @@ def _ground(curves: Curves) -> float:
     feet = curves.feet[-1, :, 1] - ANKLE
     level = float(feet.min())
     stands = abs(curves.pelvis[-1, 0]) < 0.6 and curves.root[-1, 1] - level > 0.7
+    stands &= bool(curves.foot_pitch[-1].min() > -0.6)  # the toes of a body in the air point down
     return level if stands and level > 0.1 and np.ptp(feet) < 0.05 else 0.0
 
 
@@ -122,7 +123,7 @@ def pause(curves: Curves, before: int, after: int) -> Curves:
 def at_rest(curves: Curves, frame: int) -> bool:
     """Whether the body is at rest at a frame (0 or -1)."""
     step = curves.data[1] - curves.data[0] if frame == 0 else curves.data[-1] - curves.data[-2]
-    return bool(np.abs(step[[0, 2]]).max() < 0.012)
+    return bool(np.abs(step[:3]).max() < 0.012)
 
 
 def smooth_noise(frames: int, channels: int, rng: Generator, hertz: float) -> Array:

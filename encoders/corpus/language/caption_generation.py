@@ -12,13 +12,14 @@ from dataclasses import dataclass
 from encoders.corpus.language.clause import Clause, choose_phrase, fill, make_clause, only_fields
 from encoders.corpus.language.lexicon import modifier
 from encoders.corpus.language.subjects import Subject, draw_subject, no_subject, with_adjective
-from encoders.corpus.language.typing_noise import add_typing_noise
+from encoders.corpus.language.typing_noise import add_typing_noise, as_file_name
 from encoders.corpus.language.weighted_choice import RandomSource, pick, pick_early, pick_weighted
 from encoders.corpus.scene import Scene, StepGroup
 from encoders.english import plural_form
 
 _KINDS = ("sentence", "fragment", "label", "part")
-_KIND_WEIGHTS_ONE = (0.62, 0.17, 0.15, 0.06)
+_KIND_WEIGHTS_ONE = (0.59, 0.16, 0.19, 0.06)
+_FILE_NAMES = 0.2  # share of labels written as names of files
 _KIND_WEIGHTS_MANY = (0.78, 0.15, 0.07, 0.0)
 _SEEMS = ("looks like {they_are} [ing]", "appears to be [ing]", "seems to be [ing]", "starts [ing]", "begins to [base]",
           "starts to [base]", "is seen [ing]", "appears to [base]", "seems to [base]", "is busy [ing]",
@@ -176,13 +177,13 @@ def _fragment(groups: Sequence[StepGroup], rng: RandomSource) -> GeneratedCaptio
 
 def _label(groups: Sequence[StepGroup], rng: RandomSource) -> GeneratedCaption:
     subject = no_subject(rng)
-    if len(groups) == 1 and len(groups[0]) == 1 and rng.random() < 0.45:
+    if len(groups) == 1 and len(groups[0]) == 1 and rng.random() < 0.55:
         step = groups[0][0]
         noun = choose_phrase(step, "nouns", rng)
         if noun is not None:
-            return GeneratedCaption(
-                fill(noun.text, step, subject, rng), Scene(((only_fields(step, noun.mentioned_fields(step)),),))
-            )
+            label = fill(noun.text, step, subject, rng)
+            label = as_file_name(label, rng) if rng.random() < _FILE_NAMES else label
+            return GeneratedCaption(label, Scene(((only_fields(step, noun.mentioned_fields(step)),),)))
     parts = [_clause_group(group, subject, rng) for group in groups]
     text = _joined(parts, ["base"] * len(parts), rng, plain=True)
     for possessive in (" their ", " his ", " her ", " the "):

@@ -39,7 +39,7 @@ _RETURNS = re.compile(
     r"(?: position| pose| stance| posture)?"
 )
 _UP = re.compile(r"\b(?:up|standing|upright)\b")
-_RISES = {"sit": "stand up", "floor": "get up", "": "stand up"}
+_RISES = {"sit": "stand up", "floor": "get up"}
 _LIMB_ALONE = ("hand", "arm", "leg", "foot", "knee")  # "kicks the left leg, then the right leg"
 _BENT = ("bend forward", "squat", "crouch", "lean")
 _RAISED = ("wave", "salute", "point", "swat")
@@ -166,7 +166,8 @@ class _SceneBuilder:
         if step.action in ("stand up", "get up"):
             if self.context.action in _COMES_UP:
                 return True
-            step = replace(step, action=_RISES.get(self.context.posture, "stand up"))
+            usual = "stand up" if self.groups else step.action
+            step = replace(step, action=_RISES.get(self.context.posture, usual))
         if self.groups and self._absorbs(step, join):
             return True
         if self.groups and join in ("while", "as ", "and", ","):
@@ -197,6 +198,8 @@ class _SceneBuilder:
             one = replace(last, action="balance beam") if last.direction in ("", "forward", "backward") else step
         elif last.action in _BENT and step.action in ("pick up", "put down") and step.height in ("", "low"):
             one = replace(step, height="low")  # "bends down and picks something up"
+        elif last == ActionStep("stumble") and step == ActionStep("fall") and join == "and":
+            one = replace(step, action="trip and fall")  # "trips and falls"
         elif last.action in ("raise arm", "raise hand") and step.action in _RAISED and join == "and":
             sides = ("", *programs()[step.action].sides)
             if step.side in ("", last.side) and last.side in sides:  # "raises the right arm and waves"
@@ -237,7 +240,7 @@ def parse_report(sentence: str) -> ParseReport:
         if lemma or verb not in _NO_VERB:
             report.verbs.append((lemma or verb, bool(lemma) and matches_some_rule(lemma, found)))
         denied = bool(_DENIED.search(clause.words)) and not re.search(
-            r"(?:opposite|other) (?:way|direction)", clause.words
+            r"(?:opposite|other) (?:way|direction)|opposite (?:knee|elbow|shoulder)", clause.words
         )
         step = None if found.unsure or denied or not lemma else step_of(lemma, clause.words, found, builder.context)
         join = clause.join

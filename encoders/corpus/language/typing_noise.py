@@ -1,4 +1,4 @@
-"""Typing noise: mostly lower case without a full stop, and a rare typo."""
+"""Typing noise: mostly lower case without a full stop, and a rare typo; labels as names of files."""
 
 from __future__ import annotations
 
@@ -26,6 +26,23 @@ _MISSPELT = {
     "and": ("an", "ands"),
     "then": ("than", "the"),
 }
+_LONGEST_NAME = 5  # words of a label that may be the name of a file
+_ABBREVIATED = {
+    "left": "l", "right": "r", "forward": "fwd", "forwards": "fwd", "backward": "bwd", "backwards": "bwd",
+    "reaction": "react",
+}  # fmt: skip
+
+
+def as_file_name(label: str, rng: RandomSource) -> str:
+    """A short label as archives and games name clips, "hit_react_l" or "idle-02"; others unchanged."""
+    words = [word for word in label.replace("-", " ").split() if word not in ("a", "an", "the", "to", "of")]
+    if not 0 < len(words) <= _LONGEST_NAME:
+        return label
+    if rng.random() < 0.3:
+        words = [_ABBREVIATED.get(word, word) for word in words]
+    if rng.random() < 0.25:
+        words.append(f"{1 + int(9 * rng.random()):02d}")
+    return pick(rng, ("_", "_", "_", "-")).join(words)
 
 
 def _add_typo(text: str, rng: RandomSource) -> str:

@@ -85,6 +85,9 @@ def _needs_met(need: str, clause: str, found: ClauseAttributes, context: ClauseC
         "nosideboth": "both" not in sides[:1],
         "nofoot": all(limb not in ("foot", "leg", "knee", "elbow") for limb, _ in found.limbs),
         "floor": context.posture == "floor",
+        "ground": found.fields.get("height") == "floor" or bool(re.search(r"\b(?:lying|laying|bed)\b", clause)),
+        "lying": context.posture in ("", "floor") and bool(re.search(r"\b(?:lying|laying)\b(?! down)", clause)),
+        "crossed": {"left", "right"} <= set(sides) or bool(re.search(r"\b(?:opposite|other)\b", clause)),
         "walkish": context.action == "walk"
         or "rope" in clause
         or "beam" in clause
@@ -121,10 +124,11 @@ def _direction(found: ClauseAttributes, program: Program) -> str | None:
 
 def _side(found: ClauseAttributes, program: Program) -> str | None:
     """The side of the limb that acts; None if the program uses another limb or not that side."""
-    limb, side = next(((limb, side) for limb, side in found.limbs if side), ("", ""))
+    entry = entry_of(program.name)
+    named = [(limb, side) for limb, side in found.limbs if side] or [("", "")]
+    limb, side = next((pair for pair in named if entry is not None and pair[0] == entry.limb), named[0])
     if not side or (side == "both" and not program.sides):
         return ""
-    entry = entry_of(program.name)
     by_leg = entry is not None and entry.limb in _LEG
     return side if side in program.sides and by_leg == (limb in _LEG) else None
 

@@ -148,11 +148,18 @@ _touch("cover ears", (-0.12, 0.22, 0.1), 0.2, 0.9)
 
 @keyframed("touch shoulder", group=GROUP, parts=ONE_ARM, sides=SIDED, counts=(1, 4), precise=True)
 def touch_shoulder(c: Cue) -> list[KeyPose]:
-    own = c.chance(0.4)
-    spot = (-0.02, 0.08, 0.22) if own else (-0.72, 0.02, 0.26)
+    """The shoulder of the same side; `touch opposite shoulder` reaches across."""
+    spot, keys = (-0.02, 0.08, 0.22), list[KeyPose]()
+    for _ in range(c.times(1, 2)):
+        keys += [key(c.r(0.5, 0.8), c.r(0.2, 1.0), hand=c.about(spot, 0.03), elbow=0.4), back(0.6)]
+    return keys
+
+
+@keyframed("touch opposite shoulder", group=GROUP, parts=ONE_ARM, sides=SIDED, counts=(1, 4), precise=True)
+def touch_opposite_shoulder(c: Cue) -> list[KeyPose]:
     keys: list[KeyPose] = []
     for _ in range(c.times(1, 2)):
-        keys += [key(c.r(0.5, 0.8), c.r(0.2, 1.0), hand=c.about(spot, 0.03), elbow=0.4 if own else 0.0), back(0.6)]
+        keys += [key(c.r(0.5, 0.8), c.r(0.2, 1.0), hand=c.about((-0.72, 0.02, 0.26), 0.03)), back(0.6)]
     return keys
 
 

@@ -71,3 +71,12 @@ def test_held_out_sentences_are_never_generated() -> None:
     held_out = HeldOutSentences([common.upper() + "!"])
     assert held_out(common)
     assert not [text for text in captions(scene, random.Random(5), 200, held_out) if held_out(text)]
+
+
+def test_short_labels_are_sometimes_names_of_files() -> None:
+    rng = random.Random(0)
+    scene = Scene(((ActionStep("die", direction="backward"),),))
+    written = {describe(scene, rng).text for _ in range(600)}
+    names = [text for text in written if "_" in text]
+    assert any(name.lower().startswith("death_back") for name in names)
+    assert all(" " not in name and len(name.split("_")) <= 6 for name in names)
