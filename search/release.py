@@ -11,7 +11,6 @@ import numpy as np
 import torch
 
 from encoders.bundle.bundle import Bundle
-from encoders.corpus.composition.captioned_motion import CaptionedTake
 from encoders.errors import MotionSeekError
 from encoders.tmr.conversion.to_bundle import export_bundle
 from encoders.tmr.model.network import TMR
@@ -19,7 +18,8 @@ from encoders.tmr.model.normaliser import Normaliser
 from encoders.tmr.text.language_model import LanguageModel
 from encoders.tmr.training.checkpoint import read_checkpoint, read_recipe
 from encoders.tmr.training.recipe import Recipe
-from search.ranking.strength_calibration import calibrate_synthetically
+from indexer.datasets.questioned_archives import QuestionedArchive
+from search.evaluate.judged_hits import calibrate_on
 
 
 def release(
@@ -29,9 +29,9 @@ def release(
     name: str,
     kind: str = "body",
     training: Mapping[str, Any] | None = None,
-    takes: Sequence[CaptionedTake] = (),
+    archives: Sequence[QuestionedArchive] = (),
 ) -> Bundle:
-    """Export the averaged weights of one run or several and calibrate them on synthetic clips held out of training.
+    """Export the averaged weights of one run or several, and calibrate them on motion held out of training.
 
     Parameters
     ----------
@@ -41,8 +41,8 @@ def release(
         The bundle; an existing one is replaced once the new one is complete.
     training : mapping
         What the manifest says about the training, beside the recipe's main numbers.
-    takes : sequence of CaptionedTake
-        Real takes of the validation split, to calibrate on too.
+    archives : sequence of QuestionedArchive
+        Real motion that was not trained on, to calibrate sentences on; synthetic clips if there is none.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def release(
         )
         return Bundle.load(folder)
 
-    return export(calibrate_synthetically(export(None), takes))
+    return export(calibrate_on(export(None), archives))
 
 
 def mean_weights(runs: Sequence[Path]) -> tuple[Recipe, dict[str, torch.Tensor], list[int]]:

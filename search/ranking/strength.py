@@ -18,7 +18,7 @@ from search.query.known_words import Words, out_of_vocabulary_share
 from search.query.question import EncodedQuestion
 
 #: Probability of being right from which a hit is called strong, and plausible.
-_STRONG_FROM, _PLAUSIBLE_FROM = 0.6, 0.2
+STRONG_FROM, PLAUSIBLE_FROM = 0.5, 0.2
 
 #: Share of out-of-vocabulary words from which the hits of a sentence are downgraded.
 _DOWNGRADED_FROM = 0.5
@@ -31,7 +31,7 @@ def background_level(unrelated: ArrayLike) -> tuple[float, float]:
     return float(np.percentile(against, 95)), max(float(against.std()), 1e-3)
 
 
-def score_statistics(scores: ArrayLike, level: tuple[float, float]) -> NDArray[np.float64]:
+def score_statistics(scores: ArrayLike, level: tuple[ArrayLike, ArrayLike]) -> NDArray[np.float64]:
     """What strength is calibrated on.
 
     Parameters
@@ -39,7 +39,7 @@ def score_statistics(scores: ArrayLike, level: tuple[float, float]) -> NDArray[n
     scores : array (...)
         The highest similarity in each hit.
     level : (float, float)
-        See `background_level`.
+        See `background_level`; or arrays (...) of them.
 
     Returns
     -------
@@ -47,7 +47,7 @@ def score_statistics(scores: ArrayLike, level: tuple[float, float]) -> NDArray[n
         The score, and its height above the background's 95th percentile in standard deviations of the background.
     """
     s = np.asarray(scores, np.float64)
-    return np.stack([s, (s - level[0]) / level[1]], axis=-1)
+    return np.stack([s, (s - np.asarray(level[0])) / np.asarray(level[1])], axis=-1)
 
 
 def probability(statistics: ArrayLike, coefficients: ArrayLike) -> NDArray[np.float64]:
@@ -91,7 +91,7 @@ class Judge:
             return ""
         statistics = [score_statistics(peak, level) for peak, level in zip(np.ravel(peaks), self._levels, strict=True)]
         right = probability(statistics, self._coefficients).min()
-        strength = STRONG if right >= _STRONG_FROM else PLAUSIBLE if right >= _PLAUSIBLE_FROM else WEAK
+        strength = STRONG if right >= STRONG_FROM else PLAUSIBLE if right >= PLAUSIBLE_FROM else WEAK
         return _DOWNGRADED.get(strength, strength) if self._downgrades else strength
 
 

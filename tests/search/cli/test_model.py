@@ -107,7 +107,7 @@ def test_a_bundle_is_calibrated_where_it_lies_and_the_shipped_one_is_not(
     run: Run, other: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     arrays = {"motions": np.eye(24, dtype=np.float16), "words": np.array(["walk"])}
-    monkeypatch.setattr("search.ranking.strength_calibration.calibrate_synthetically", lambda bundle: arrays)
+    monkeypatch.setattr("search.evaluate.judged_hits.calibrate_synthetically", lambda bundle, real: arrays)
     before = load_model(other).fingerprint
     for _ in range(2):  # anew, too
         assert run("model", "calibrate", other).code == 0

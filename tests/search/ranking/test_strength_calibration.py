@@ -9,7 +9,7 @@ from encoders.corpus.composition.synthetic_pairs import SyntheticClip
 from encoders.corpus.scene import ActionStep, Scene
 from search.query.question import EncodedQuestion
 from search.ranking.strength import judge, probability
-from search.ranking.strength_calibration import calibrate, fit_logistic
+from search.ranking.strength_calibration import calibrate, fit_logistic, fit_together
 from tests.search.answers import SENTENCES, KnownAnswers
 
 
@@ -68,3 +68,32 @@ def test_the_fit_recovers_a_known_curve() -> None:
     truth = np.array([-0.5, 1.5, 0.7])
     right = rng.random(len(x)) < probability(x, truth)
     assert fit_logistic(x, right, penalty=0) == pytest.approx(truth, abs=0.1)
+
+
+def test_a_hit_that_is_higher_is_never_weaker() -> None:
+    rng = np.random.default_rng(2)
+    x = rng.normal(size=(4000, 2))
+    right = rng.random(len(x)) < probability(x, np.array([0.0, 2.0, -1.0]))
+    _, rising, falling = fit_logistic(x, right)
+    assert rising > 1
+    assert falling == 0
+
+
+def test_a_large_archive_does_not_decide_alone() -> None:
+    rng = np.random.default_rng(3)
+    large, small = rng.normal(size=(9000, 2)), rng.normal(size=(90, 2))
+    often, seldom = (large, rng.random(9000) < 0.9), (small, rng.random(90) < 0.1)
+    at_zero = probability(np.zeros((1, 2)), fit_together([often, seldom]))[0]
+    assert 0.75 < at_zero < 0.85  # by the root of the hits, 30 to 3; by the hits it would be 0.89
+
+
+def test_real_hits_decide_alone_where_there_are_some(calibration: dict[str, np.ndarray]) -> None:
+    clips, rng = [clip(i % 5, i) for i in range(60)], np.random.default_rng(4)
+    real = rng.normal(size=(400, 2)), rng.random(400) < 0.5
+    seen = []
+    again = calibrate(
+        KnownAnswers(), clips[:20], clips[20:], [], lambda unrelated: [seen.append(unrelated) or real][:1]
+    )
+    np.testing.assert_array_equal(seen[0], calibration["motions"])
+    np.testing.assert_array_equal(again["sentence_coefficients"], fit_together([real]))
+    np.testing.assert_array_equal(again["motion_coefficients"], calibration["motion_coefficients"])

@@ -9,7 +9,8 @@ import click
 
 from encoders.errors import QueryError
 from search.cli import options
-from search.cli.commands.model.train import real_stores, require_both, require_extra, sentences_of
+from search.cli.commands.model.real_archives import require_both
+from search.cli.commands.model.train import real_stores, require_extra, sentences_of
 
 _FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
 _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)

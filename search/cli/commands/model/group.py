@@ -10,7 +10,8 @@ import click
 from search.cli import options
 from search.cli.commands.model.decoder import decoder
 from search.cli.commands.model.import_run import import_run
-from search.cli.commands.model.train import release, require_both, train
+from search.cli.commands.model.real_archives import read_archives, real_archives, require_both
+from search.cli.commands.model.train import release, train
 from search.cli.commands.status import shown
 
 if TYPE_CHECKING:
@@ -117,27 +118,30 @@ def _listed(known: KnownModel) -> dict[str, Any]:
 
 @model.command()
 @click.argument("name")
+@real_archives
 @options.as_json
-def calibrate(name: str, as_json: bool) -> None:
+def calibrate(name: str, real: Path | None, captions: Path | None, labelled: Path | None, as_json: bool) -> None:
     """Calibrate the model NAME, an imported one or a bundle's folder, so that its hits are strong, plausible or weak.
 
-    Hits of 2,300 synthetic clips are judged, and sentences that no motion fits. It takes minutes; vectors stay as they
-    are, so libraries need not be made again.
+    Hits of real archives are judged, or, where none is given, of 2,300 synthetic clips and of sentences that no motion
+    fits. It takes minutes; vectors stay as they are, so libraries need not be made again.
 
     \b
     Examples:
       motionseek model calibrate tmr-humanml3d
+      motionseek model calibrate my_model/ --real data/mocap --captions captions.jsonl --labelled data/hdm05
     """
     from encoders.bundle.bundle import DEFAULT, Bundle
     from encoders.bundle.calibration_file import add_calibration
     from encoders.bundle.known_models import load_model
     from search.cli import terminal
-    from search.ranking.strength_calibration import calibrate_synthetically
+    from search.evaluate.judged_hits import calibrate_on
 
+    archives = read_archives(real, captions, labelled)
     bundle = load_model(name)
     if not isinstance(bundle, Bundle) or bundle.folder == DEFAULT:
         raise click.ClickException(f"{name}: only imported models and bundles of your own are calibrated here")
-    add_calibration(bundle.folder, calibrate_synthetically(bundle))
+    add_calibration(bundle.folder, calibrate_on(bundle, archives))
     if as_json:
         terminal.document({"name": bundle.name, "folder": str(bundle.folder), "calibrated": True})
     else:

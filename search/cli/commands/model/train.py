@@ -14,6 +14,7 @@ import click
 from encoders.errors import QueryError
 from search.cli import options
 from search.cli.commands.model.data_training import TMR_RECIPE, DataTraining, data_options, train_on_dataset
+from search.cli.commands.model.real_archives import read_archives, real_archives, require_both
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -165,12 +166,6 @@ def initial_model(origins: Sequence[Path], recipe: Recipe) -> tuple[TMR, Normali
     return model, Normaliser.load(origins[0])
 
 
-def require_both(real: Path | None, captions: Path | None) -> None:
-    """Exit where only one of two options is given that need each other."""
-    if (real is None) != (captions is None):
-        raise click.UsageError("--real and --captions must be given together")
-
-
 def require_runs(folders: Sequence[Path]) -> None:
     """Exit where a folder holds no finished run."""
     for run, file in product(folders, ("recipe.json", "last.pt", "normaliser.npz")):
@@ -233,11 +228,16 @@ def real_stores(
 @click.argument("runs", metavar="RUN...", nargs=-1, required=True, type=_FOLDER)
 @click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--name", default="motionseek", show_default=True, help="The model's name.")
-@click.option("--real", type=_FOLDER, help="Folder of captioned takes; its split val is calibrated on too.")
-@click.option("--captions", type=_FILE, help="Their captions, JSON lines.")
+@real_archives
 @click.option("--notes", type=_FILE, help="JSON for the manifest: what it was trained on.")
 def release(
-    runs: tuple[Path, ...], folder: Path, name: str, real: Path | None, captions: Path | None, notes: Path | None
+    runs: tuple[Path, ...],
+    folder: Path,
+    name: str,
+    real: Path | None,
+    captions: Path | None,
+    labelled: Path | None,
+    notes: Path | None,
 ) -> None:
     """Export a run as the bundle FOLDER: ONNX, weights in 8 bits, calibrated.
 
@@ -249,14 +249,12 @@ def release(
       motionseek model release runs/default runs/longer my_model/
     """
     require_extra()
-    from indexer.datasets.captioned_takes import captioned_takes
     from search.release import release as release_run
 
-    require_both(real, captions)
     require_runs(runs)
     training = options.read_object(notes) if notes else None
-    takes = list(captioned_takes(real, captions, "val")) if real and captions else []
-    bundle = release_run(runs, folder, name=name, training=training, takes=takes)
+    archives = read_archives(real, captions, labelled)
+    bundle = release_run(runs, folder, name=name, training=training, archives=archives)
     click.echo(f"{bundle.name} {bundle.fingerprint[:12]} in {folder}")
 
 
