@@ -31,6 +31,7 @@ from encoders.motion import FPS, Motion
 
 _SHORTEST, _LONGEST = 2.0, 7.0  # seconds of a piece
 _STILL = 0.05  # metres per second of the hands, on average, below which somebody hardly moves
+_WAIT = ActionStep("wait")
 _SUBJECTS = ("a person ", "someone ", "the person ", "a man ", "a woman ", "somebody ", "a figure ", "")
 _WAITS = (
     "stands and waits", "stands around", "is just standing there", "waits for something to happen", "stands idle",
@@ -102,8 +103,7 @@ def _captioned(joints: Array, rng: Generator) -> CaptionedSegment:
     said, action = _HANDS.get(hands, ((), ""))
     pools = (_WAITS, _STILLS if pace < _STILL else _FIDGETS, said or _WAITS)
     captions = tuple(str(rng.choice(_SUBJECTS)) + pool[int(rng.integers(len(pool)))] for pool in (*pools, _WAITS))
-    stand = ActionStep("stand")
-    return CaptionedSegment(joints, captions, Scene((((stand, ActionStep(action)) if action else (stand,)),)))
+    return CaptionedSegment(joints, captions, Scene((((_WAIT, ActionStep(action)) if action else (_WAIT,)),)))
 
 
 def idle_clips(
@@ -117,7 +117,7 @@ def idle_clips(
     makers = (_alone, _alone, _around, _around, _under, _arms_of)
     while count > 0 and idle:
         piece = idle[int(rng.integers(len(idle)))].varied(rng)
-        piece = replace(piece, scene=piece.scene or Scene(((ActionStep("stand"),),)))
+        piece = replace(piece, scene=piece.scene or Scene(((_WAIT,),)))
         clip = makers[int(rng.integers(len(makers)))](piece, idle, others, rng)
         if clip is not None:
             yield clip

@@ -67,7 +67,7 @@ def open_directions(action: str) -> tuple[str, ...]:
     if action in _OPEN:
         return _OPEN[action]
     if _lies(action):
-        return _LYING
+        return tuple(way for way in _LYING if way in program.directions)
     return ("forward",) if "forward" in program.directions else ()
 
 

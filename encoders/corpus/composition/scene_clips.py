@@ -41,9 +41,10 @@ def perform_step(
 
 #: Actions of the legs that arms may accompany in any way, beside those that occupy no arm.
 _ARMS_FREE = frozenset(
-    {"jump", "leap", "jump over", "step over", "step up", "step down", "squat", "lunge", "kneel", "crouch", "sit"}
-    | {"sit down", "stand up", "kick", "side kick", "roundhouse kick", "knee strike", "kick ball", "raise leg"}
-    | {"raise knee", "leg swing", "stretch leg", "balance on one leg", "bend forward", "dodge", "get pushed"}
+    {"jump", "leap", "jump over", "land", "step over", "step up", "step down", "squat", "lunge", "side lunges", "kneel"}
+    | {"crouch", "sit", "sit down", "stand up", "kick", "side kick", "roundhouse kick", "knee strike", "kick ball"}
+    | {"raise leg", "raise knee", "leg swing", "stretch leg", "hurdle step", "heel raise", "balance on one leg"}
+    | {"tiptoes with bent knees", "bend forward", "dodge", "get pushed"}
 )
 _FREE_SHARE, _STEPPING = 0.3, 0.25
 

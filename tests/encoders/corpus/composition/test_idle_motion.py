@@ -23,7 +23,7 @@ def test_pieces_are_short_and_say_that_somebody_waits() -> None:
     pieces = idle_segments([waiting()], np.random.default_rng(0))
     assert pieces
     assert all(1.9 <= len(piece.joints) / 20 <= 7 for piece in pieces)
-    assert all(piece.scene == Scene(((ActionStep("stand"),),)) for piece in pieces)
+    assert all(piece.scene == Scene(((ActionStep("wait"),),)) for piece in pieces)
 
 
 @pytest.mark.parametrize(
@@ -32,7 +32,7 @@ def test_pieces_are_short_and_say_that_somebody_waits() -> None:
 def test_what_the_hands_do_is_read_from_the_motion(action: str, words: tuple[str, ...]) -> None:
     piece = idle_segments([waiting(action)], np.random.default_rng(0))[0]
     assert piece.scene is not None
-    assert [step.action for step in piece.scene.steps[0]] == ["stand", action]
+    assert [step.action for step in piece.scene.steps[0]] == ["wait", action]
     assert any(word in caption for caption in piece.captions for word in words)
 
 
