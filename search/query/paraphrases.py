@@ -21,16 +21,17 @@ _SUBJECT = re.compile(
 _ADVERB = re.compile(r"\w+ly ")
 _VERBS = """
 act applaud approach ascend back balance beckon bend block bounce bow box brush bump call carry cartwheel catch charge
-check cheer circle clap clean climb close comb come conduct cough cover crawl creep crouch cross cry cut dance dash
-descend dig dip dodge drag draw dribble drink drive drop duck eat embrace extend fall fight fish flap flex flip fly
-fold gallop gesture get give glance go grab greet guide hammer head hit hobble hold hop hug hurdle hurry iron jab jog
-juggle juke jump kick kneel knock laugh lay lead lean leap lie lift limp look lower lunge make march mime mix moonwalk
-mop move nod offer open pace paint pass pat perform pet pick pivot place plank play plead point pose pour pray prance
-press pull punch push put race raise rake reach read rest retreat return ride rise rock roll rotate row rub run rush
-salute saw scratch serve shake shiver shoot shovel show shrug shuffle sidestep sit skate skip slap slash sleep slide
-slip sneak sneeze somersault spin spread sprint squat stab stagger stand step stir stomp stoop stop stretch stride
-stroll strut stumble sway sweep swim swing take talk tap throw tie tilt tiptoe toss touch trip trot trudge tug turn
-twirl twist type use wait walk waltz wander wash wave welcome whirl wipe wobble write yawn
+check cheer circle clap clean climb close collapse comb come conduct cough cover crawl creep cringe cross crouch cry
+cut dance dash descend die dig dip dodge drag draw dribble drink drive drop duck eat embrace extend faint fall fight
+fish flap flex flinch flip fly fold gallop gesture get give glance go grab greet guard guide hammer head hit hobble
+hold hop hug hurdle hurry iron jab jog juggle juke jump kick kneel knock land laugh lay lead lean leap lie lift limp
+look lower lunge make march mime mix moonwalk mop move nod offer open pace paint pass pat perform pet pick pivot place
+plank play plead point pose pour prance pray press pull punch push put race raise rake reach read rest retreat return
+ride rise rock roll rotate row rub run rush salute saw scratch serve shake shiver shoot shovel show shrug shuffle
+sidestep sit skate skip slap slash sleep slide slip sneak sneeze somersault spin spread sprint squat stab stagger
+stand step stir stomp stoop stop stretch stride stroll strut stumble sway sweep swim swing take talk tap throw tie
+tilt tiptoe topple toss touch trip trot trudge tug tumble turn twirl twist type use wait walk waltz wander wash wave
+welcome whirl wipe wobble write yawn
 """.split()
 
 
