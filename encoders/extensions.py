@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from importlib.metadata import EntryPoint, entry_points
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from encoders.errors import BundleError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint, EntryPoints
 
 #: Groups of entry points: kinds of features, and models.
 FEATURES, MODELS = "motionseek.features", "motionseek.models"
@@ -13,7 +15,7 @@ FEATURES, MODELS = "motionseek.features", "motionseek.models"
 
 def owners(group: str) -> list[tuple[str, str]]:
     """The names in a group, sorted, each with the distribution that adds it; nothing is imported."""
-    return sorted({(entry.name, _owner(entry)) for entry in entry_points(group=group)})
+    return sorted({(entry.name, _owner(entry)) for entry in _entry_points(group)})
 
 
 def load_extension(group: str, name: str) -> Any:
@@ -24,7 +26,7 @@ def load_extension(group: str, name: str) -> Any:
     BundleError
         If it cannot be imported, or two distributions claim the name.
     """
-    found = list(dict.fromkeys(entry_points(group=group, name=name)))
+    found = list(dict.fromkeys(_entry_points(group).select(name=name)))
     if not found:
         return None
     claimants = sorted({_owner(entry) for entry in found})
@@ -34,6 +36,12 @@ def load_extension(group: str, name: str) -> Any:
         return found[0].load()
     except Exception as error:  # whatever the other distribution raises as it is imported
         raise BundleError(f"{group} {name!r} of {claimants[0]} cannot be loaded ({error!r})") from error
+
+
+def _entry_points(group: str) -> EntryPoints:
+    from importlib.metadata import entry_points  # slow to import, and it looks at every distribution
+
+    return entry_points(group=group)
 
 
 def _owner(entry: EntryPoint) -> str:

@@ -24,21 +24,14 @@ from encoders.errors import ArgumentError
 from encoders.motion import FPS, Motion
 from encoders.protocol import TokenEncoder
 from indexer.argument_checks import checked_rate, checked_up
-from indexer.ingest import arrays
-from indexer.ingest.arrays import NewClip
 from indexer.store.clips import Caption, Clip
 from indexer.store.library_reader import one_snapshot
-from search.compose.composition import MAX_TRANSITION, TRANSITION, Composition, compose
-from search.compose.timeline import Timeline
-from search.drawing.film import write_picture
-from search.export.cut import RATES, writable, write_cut
-from search.export.hit_files import export_hits
+from search.compose.timeline import MAX_TRANSITION, TRANSITION, Timeline
 from search.hits import Hit, Hits
 from search.marking import MarkedLibrary
 from search.moments.across_library import answers_in_candidates, moments_across
 from search.moments.one_motion import clip_answer, moments_of
 from search.moments.queried_motion import QueriedMotion
-from search.moments.segments import Segment, segment_motion
 from search.query.filters import FilterArguments, Filters, refuse_filters
 from search.query.question import EncodedQuestion, Question
 from search.ranking.alignment import RERANKED, rerank_by_alignment
@@ -50,10 +43,15 @@ from search.ranking.late_interaction import rerank_by_tokens
 from search.ranking.text_matches import TextMatch, fused, text_matches
 from search.references import Ref, is_vector, source_of, span_of
 from search.source import MotionSource
-from search.stacks.stacking import Copy, Progress, among, stacks
 
+# What only some methods need is imported there, so that `motionseek search` starts fast.
 if TYPE_CHECKING:
     from typing_extensions import Unpack
+
+    from indexer.ingest.arrays import NewClip
+    from search.compose.composition import Composition
+    from search.moments.segments import Segment
+    from search.stacks.stacking import Copy, Progress
 
 Ids = NDArray[np.int64]
 
@@ -114,6 +112,8 @@ class Library(MarkedLibrary):
         up : str, optional
             The axis that is up in an array, "x", "y", "z", "-x", "-y" or "-z"; found by itself if not given.
         """
+        from indexer.ingest.arrays import NewClip
+
         return self.add_many([NewClip(id, motion, captions, fps, up)])[0]
 
     def add_many(self, clips: Iterable[NewClip]) -> list[int]:
@@ -126,6 +126,8 @@ class Library(MarkedLibrary):
         BundleError
             If the model's vectors are not unit vectors of its size.
         """
+        from indexer.ingest import arrays
+
         return arrays.add(self._writable(), clips, self.bundle)
 
     def remove(self, *ids: str) -> None:
@@ -136,6 +138,8 @@ class Library(MarkedLibrary):
         UnknownClip
             If an id names no such clip.
         """
+        from indexer.ingest import arrays
+
         arrays.remove(self._writable(), ids)
 
     @one_snapshot
@@ -275,6 +279,8 @@ class Library(MarkedLibrary):
         list of Segment
             In order and without gaps; the label is empty where none fits.
         """
+        from search.moments.segments import segment_motion
+
         if checked_flag("captions", captions) and labels is not None:
             raise ArgumentError("labels and captions=True exclude each other; give one")
         given = sorted(set(self.caption_vectors()[0])) if captions else labels
@@ -310,6 +316,8 @@ class Library(MarkedLibrary):
         rig : path, optional
             A file on whose skeleton a .bvh is written.
         """
+        from search.export.cut import RATES, writable, write_cut
+
         place, like = writable(out, overwrite), None if rig is None else checked_path("rig", rig)
         rate = None if to_fps is None else checked_number("to_fps", to_fps)
         if rate is not None and not RATES[0] <= rate <= RATES[1]:
@@ -332,6 +340,8 @@ class Library(MarkedLibrary):
         format : str
             "bvh", which keeps the rig of a source that has one, "glb", "npz" or "npy".
         """
+        from search.export.hit_files import export_hits
+
         if not all(isinstance(hit, Hit) for hit in hits):
             raise ArgumentError("hits must be hits, as search and moments give them")
         place, flag = checked_path("folder", folder), checked_flag("overwrite", overwrite)
@@ -363,6 +373,9 @@ class Library(MarkedLibrary):
         MissingProgram
             If there is no ffmpeg for an .mp4.
         """
+        from search.drawing.film import write_picture
+        from search.export.cut import writable
+
         place = writable(out, overwrite)
         motion = self._cut(ref, start, end, None, up)
         write_picture(motion, place, size=checked_count(size, "size"), fps=checked_number("fps", fps))
@@ -435,6 +448,8 @@ class Library(MarkedLibrary):
             Each of two clips and more, in order of their numbers: `clip_id`, and whether it is the first one
             `mirrored`. Of clips that do not pass the filters nothing is said.
         """
+        from search.stacks.stacking import among, stacks
+
         allowed = self.allowed(**filters)
         return stacks(self, progress) if allowed is None else among(stacks(self, progress), allowed)
 
@@ -462,6 +477,8 @@ class Library(MarkedLibrary):
         transition : float
             Seconds in which one piece goes over into the next.
         """
+        from search.compose.composition import compose
+
         if not isinstance(timeline, Timeline):
             raise ArgumentError(f"timeline={shown(timeline)} must be a Timeline; make one with Timeline.of")
         before = None if after is None else self.source(after).motion

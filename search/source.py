@@ -17,8 +17,6 @@ from encoders.errors import QueryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.formats.reading import split_name
-from indexer.ingest.arrays import to_motion
-from indexer.ingest.load import issue_warnings, read_motion
 from indexer.ingest.unindexed import file_state, read_unindexed
 from indexer.read_motion import NOT_KNOWN, Reading, extent
 from indexer.store.clips import Caption, Clip
@@ -114,6 +112,8 @@ class MotionSource:
         UnreadableMotion
             If it cannot be read.
         """
+        from indexer.ingest.load import issue_warnings, read_motion  # most questions read no file
+
         if library is None:
             read = read_motion(fspath(path), fps, up=up)
         else:
@@ -125,6 +125,8 @@ class MotionSource:
     @classmethod
     def of_array(cls, array: Motion | NDArray[Any], fps: float | None = None, up: str | None = None) -> MotionSource:
         """Joints (T, 22, 3) at `fps`, 20 if not given; see `indexer.ingest.arrays.to_motion`."""
+        from indexer.ingest.arrays import to_motion
+
         read = to_motion(array, fps, up=up)
         return replace(cls.of_motion(read.motion), reading=read.reading)
 

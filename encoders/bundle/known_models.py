@@ -77,8 +77,7 @@ def folder_of(name: str) -> Path:
 def known_models() -> list[KnownModel]:
     """Every model that can be named: the shipped one, the user's in order of their names, those of distributions."""
     return [
-        KnownModel(SHIPPED, str(bundles.DEFAULT), stated_manifest(bundles.DEFAULT)),
-        *_users(),
+        *_bundles(),
         *(KnownModel(name, owner) for name, owner in extensions.owners(extensions.MODELS)),
     ]
 
@@ -121,7 +120,7 @@ def model_with(fingerprint: str, name: str) -> Encoder | None:
     BundleError
         If it is damaged.
     """
-    for known in known_models():
+    for known in _bundles():
         if known.manifest is not None and known.manifest.fingerprint == fingerprint:
             return Bundle.load(known.place)
     maker = extensions.load_extension(extensions.MODELS, name)
@@ -129,7 +128,9 @@ def model_with(fingerprint: str, name: str) -> Encoder | None:
     return model if model is not None and model.fingerprint == fingerprint else None
 
 
-def _users() -> Iterator[KnownModel]:
+def _bundles() -> Iterator[KnownModel]:
+    """The shipped one, then the user's in order of their names."""
+    yield KnownModel(SHIPPED, str(bundles.DEFAULT), stated_manifest(bundles.DEFAULT))
     try:
         folders = sorted(
             path for path in models_folder().iterdir() if _NAME.fullmatch(path.name) and (path / MANIFEST).is_file()

@@ -3,26 +3,20 @@
 Which frame rate a file is read at, and what overrides it: `indexer.store.read_options`.
 
 A new format is one module beside this one, with a function `read(path, data, *, fps=None) -> list[Take]`, and one row
-here.
+here. Modules are imported when a file is read: most commands only need to know the endings.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
 from encoders.errors import UnreadableMotion
-from indexer.formats.acclaim import amc
-from indexer.formats.bvh import bvh_reader
-from indexer.formats.fbx import fbx
-from indexer.formats.gltf import gltf_reader
-from indexer.formats.numpy_files import npy, npz
 from indexer.formats.refused import REFUSED
-from indexer.formats.usd import usd_reader
 from indexer.take import Take
 
 #: Bytes at the start of a file in which its signature is looked for, and that of a companion.
@@ -55,8 +49,8 @@ class Format:
     ----------
     ending : str
         In lower case, with the dot.
-    read : callable
-        (path, data, *, fps) -> the takes of the file, at least one; `fps` overrides what the file states.
+    module : str
+        The module that reads it, within `indexer.formats`.
     signature : regular expression
         Matches the start of such a file in lower case, after white space and byte order mark.
     is_text : bool
@@ -71,7 +65,7 @@ class Format:
     """
 
     ending: str
-    read: Callable[..., list[Take]]
+    module: str
     signature: bytes
     is_text: bool = False
     needs_ending: bool = False
@@ -79,23 +73,28 @@ class Format:
     states_fps: bool = True
     companion: Companion | None = None
 
+    def read(self, path: str | PathLike[str], data: bytes, *, fps: float | None = None) -> list[Take]:
+        """The takes of a file, at least one; `fps` overrides what the file states."""
+        takes: list[Take] = import_module(f"indexer.formats.{self.module}").read(path, data, fps=fps)
+        return takes
+
 
 # fmt: off
 FORMATS = (
-    Format(".bvh", bvh_reader.read, rb"hierarchy", is_text=True),
-    Format(".amc", amc.read, rb".*:(fully-specified|degrees|radians)", is_text=True,
+    Format(".bvh", "bvh.bvh_reader", rb"hierarchy", is_text=True),
+    Format(".amc", "acclaim.amc", rb".*:(fully-specified|degrees|radians)", is_text=True,
            default_fps=120.0, states_fps=False, companion=Companion(".asf", b":bonedata")),
-    Format(".fbx", fbx.read, rb"kaydara fbx binary|; *fbx|fbxheaderextension"),
-    Format(".npy", npy.read, rb"\x93numpy", default_fps=20.0, states_fps=False),
-    Format(".npz", npz.read, rb"pk", needs_ending=True, default_fps=20.0),
-    Format(".glb", gltf_reader.read, rb"gltf"),
-    Format(".gltf", gltf_reader.read, rb"\{", needs_ending=True, companion=Companion(".bin", same_name=True)),
-    Format(".vrm", gltf_reader.read, rb"gltf"),
-    Format(".vrma", gltf_reader.read, rb"gltf"),
-    Format(".usd", usd_reader.read, rb"#usda|pxr-usdc"),
-    Format(".usda", usd_reader.read, rb"#usda"),
-    Format(".usdc", usd_reader.read, rb"pxr-usdc"),
-    Format(".usdz", usd_reader.read, rb"pk", needs_ending=True),
+    Format(".fbx", "fbx.fbx", rb"kaydara fbx binary|; *fbx|fbxheaderextension"),
+    Format(".npy", "numpy_files.npy", rb"\x93numpy", default_fps=20.0, states_fps=False),
+    Format(".npz", "numpy_files.npz", rb"pk", needs_ending=True, default_fps=20.0),
+    Format(".glb", "gltf.gltf_reader", rb"gltf"),
+    Format(".gltf", "gltf.gltf_reader", rb"\{", needs_ending=True, companion=Companion(".bin", same_name=True)),
+    Format(".vrm", "gltf.gltf_reader", rb"gltf"),
+    Format(".vrma", "gltf.gltf_reader", rb"gltf"),
+    Format(".usd", "usd.usd_reader", rb"#usda|pxr-usdc"),
+    Format(".usda", "usd.usd_reader", rb"#usda"),
+    Format(".usdc", "usd.usd_reader", rb"pxr-usdc"),
+    Format(".usdz", "usd.usd_reader", rb"pk", needs_ending=True),
 )
 # fmt: on
 READABLE: dict[str, Format] = {row.ending: row for row in FORMATS}

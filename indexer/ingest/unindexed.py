@@ -12,7 +12,6 @@ from indexer.argument_checks import checked_rate
 from indexer.formats import table
 from indexer.formats.opening import beside, state
 from indexer.formats.reading import split_name
-from indexer.ingest.load import read_motion
 from indexer.ingest.scan import with_companions
 from indexer.read_motion import ReadMotion
 from indexer.store.captions import Stated, stated_option
@@ -45,6 +44,8 @@ def read_unindexed(
     ArgumentError
         If `fps` is no frame rate.
     """
+    from indexer.ingest.load import read_motion  # the state of a file is told without reading it
+
     fps = checked_rate(fps)
     file, _ = split_name(path)
     known = known_options(library, file)

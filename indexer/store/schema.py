@@ -8,14 +8,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from secrets import randbits
-
-from sqlite_utils import Database
+from typing import TYPE_CHECKING, Any
 
 from encoders.errors import LibraryDamaged, LibraryError, LibraryLocked, LibraryNotFound
 from indexer.store import digests
 from indexer.store.spelling import path_words
 
-Migration = Callable[[Database], None]
+if TYPE_CHECKING:
+    from sqlite_utils import Database
+
+Migration = Callable[[Any], None]
 MIGRATIONS: list[Migration] = []
 
 
@@ -360,6 +362,10 @@ def migrate(connection: sqlite3.Connection) -> None:
     connection.execute("PRAGMA synchronous=FULL")
     connection.execute("PRAGMA foreign_keys=ON")
     version: int = connection.execute("PRAGMA user_version").fetchone()[0]
+    if version == len(MIGRATIONS):
+        return
+    from sqlite_utils import Database  # slow to import, and few commands need it
+
     for number, step in enumerate(MIGRATIONS[version:], start=version + 1):
         with transaction(connection):
             if connection.execute("PRAGMA user_version").fetchone()[0] < number:  # else another process was faster

@@ -16,13 +16,9 @@ from indexer.store.stored_library import StoredLibrary
 from search.compose.assembling import assembled
 from search.compose.candidates import Candidate, candidates, ends
 from search.compose.choosing import SPREAD, USED, Edge, best_path, join_costs
-from search.compose.timeline import Interval, Timeline
+from search.compose.timeline import TRANSITION, Interval, Timeline
 from search.query.encoding import encode_queries
 
-#: Seconds in which one piece goes over into the next, and a body part into another: STMC's overlap.
-TRANSITION = 0.5
-#: The longest that can be asked for.
-MAX_TRANSITION = 3.0
 #: Candidates of a sentence.
 _CANDIDATES = 24
 

@@ -16,6 +16,9 @@ from search.compose.body_parts import ALL, PARTS, parts_named, parts_of
 
 #: Seconds of a time line, of an interval at least, and intervals: one take's work.
 LONGEST, SHORTEST, MOST = 600.0, 0.5, 200
+#: Seconds in which one piece goes over into the next, and a body part into another: STMC's overlap; and the longest
+#: that can be asked for.
+TRANSITION, MAX_TRANSITION = 0.5, 3.0
 #: Bytes of a file that holds time lines.
 _LARGEST = 8 << 20
 

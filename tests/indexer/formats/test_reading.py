@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import re
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from encoders.errors import UnreadableMotion
-from indexer.formats.table import READABLE
+from indexer.formats.table import READABLE, Format
 from indexer.ingest.file_parts import read_take
 from indexer.ingest.load import load_motion
 from tests.indexer.performances import bvh, performance
@@ -21,6 +22,11 @@ def reason(path: Path) -> str:
         read_take(path)
     assert str(path) in str(error.value)
     return error.value.reason
+
+
+@pytest.mark.parametrize("row", READABLE.values(), ids=list(READABLE))
+def test_every_format_names_a_module_that_reads(row: Format) -> None:
+    assert callable(import_module(f"indexer.formats.{row.module}").read)
 
 
 def test_content_decides_before_the_ending(tmp_path: Path) -> None:

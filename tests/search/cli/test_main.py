@@ -268,6 +268,21 @@ def test_help_needs_no_heavy_import() -> None:
     assert _python("-c", code).stdout.splitlines()[-1] == "[]"
 
 
+def test_search_imports_nothing_that_reads_writes_or_composes_motions(indexed: Path, tiny_bundle: Path) -> None:
+    code = (
+        "import sys, pathlib, encoders.bundle.bundle\n"
+        "encoders.bundle.bundle.DEFAULT = pathlib.Path(sys.argv[1])\n"
+        "from search.cli.main import main\n"
+        "try: main(['search', 'a person walks', '--json', '--library', sys.argv[2]])\n"
+        "except SystemExit as ended: assert ended.code == 0\n"
+        "heavy = ['sqlite_utils', 'pandas', 'importlib.metadata', 'indexer.formats.bvh', 'indexer.formats.fbx', "
+        "'indexer.rigs', 'indexer.ingest.arrays', 'search.compose.composition', 'search.export', 'search.drawing']\n"
+        "print([name for name in heavy if name in sys.modules])"
+    )
+    done = _python("-c", code, str(tiny_bundle), str(indexed))
+    assert done.stdout.splitlines()[-1] == "[]", done.stderr
+
+
 @pytest.mark.skipif(os.name == "nt", reason="closes a stream as shells do")
 def test_a_process_without_stdout_is_no_error(indexed: Path) -> None:
     script = "import sys; from search.cli.main import main; main(sys.argv[1:])"
