@@ -1,10 +1,13 @@
-"""How much faster the bundle encodes motions than the plain way: `python -m benchmarks.encode` (needs torch).
+"""How much faster the bundle encodes motions than the plain way (needs torch).
 
-The plain way is torch's own fp32 `nn.TransformerEncoder`, as published TMR uses it: batches of 32 clips in file
-order, padded to the longest. Ours is `Bundle.encode_features`, whose weights are stored as int8. Both encode the same
-clips of 2 to 10 s with the same weights in one run, in turns, on the same number of threads; the best of several
-rounds counts. CPU time is compared as well: on a busy machine it says more. Two encoders are timed: published TMR's
-sizes, and the default bundle's.
+    python -m benchmarks.encode sizes              random clips, by two sizes of encoder
+    python -m benchmarks.encode windows [LIBRARY]  clips and all their windows, of the demo or of a library
+    python -m benchmarks.encode recall             retrieval of synthetic clips in int8 and in floating point
+
+The plain way is torch's own fp32 `nn.TransformerEncoder`, as published TMR uses it: batches of 32 in file order, padded
+to the longest. Ours is `Bundle.encode_features`, whose weights are stored as int8 and which multiplies in int8 where
+the processor has units for it. Both encode the same with the same sizes in one run, in turns, on the same number of
+threads; the best of several rounds counts. CPU time is compared as well: on a busy machine it says more.
 """
 
 from __future__ import annotations
@@ -13,8 +16,10 @@ import argparse
 import tempfile
 import time
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
@@ -24,9 +29,15 @@ from tokenizers import Tokenizer
 from tokenizers.models import WordLevel
 from torch import Tensor, nn
 
+from benchmarks.moments import DEMO
+from encoders.bundle import sessions
 from encoders.bundle.batching import pad
 from encoders.bundle.bundle import Bundle
+from encoders.bundle.windows import encode_grids, grid
+from encoders.corpus.composition.seeds import TEST
+from encoders.corpus.composition.synthetic_pairs import synthetic_clips
 from encoders.features.registry import FEATURE_KINDS
+from encoders.motion import Motion
 from encoders.tmr.conversion.to_bundle import export_bundle
 from encoders.tmr.model.network import (
     TMR,
@@ -39,6 +50,9 @@ from encoders.tmr.model.network import (
 )
 from encoders.tmr.text.language_model import LanguageConfig, LanguageModel, LanguageNetwork
 from encoders.tmr.training.recipe import default_network
+from indexer.ingest.load import load_motion
+from indexer.store.stored_library import StoredLibrary
+from search.evaluate.corpus_retrieval import evaluate_corpus
 
 Array = NDArray[np.float32]
 Encode = Callable[[Sequence[Array]], Array]
@@ -108,23 +122,93 @@ def compare(name: str, encoder: TransformerEncoder, kind: str, *, clips: int, th
         }
         latents = {way: encode(features) for way, encode in ways.items()}
         cosine = float((latents["plain"] * latents["bundle"]).sum(axis=1).min())
-        wall: dict[str, list[float]] = {way: [] for way in ways}
-        cpu: dict[str, list[float]] = {way: [] for way in ways}
-        for _ in range(rounds):
-            for way, encode in ways.items():
-                start, start_cpu = time.perf_counter(), time.process_time()
-                encode(features)
-                wall[way].append(time.perf_counter() - start)
-                cpu[way].append(time.process_time() - start_cpu)
-    ratio, cpu_ratio = (min(times["plain"]) / min(times["bundle"]) for times in (wall, cpu))
-    rates = ", ".join(f"{way} {clips / min(times):.0f} clips/s" for way, times in wall.items())
+        wall, cpu = in_turns({way: partial(encode, features) for way, encode in ways.items()}, rounds)
+    ratio, cpu_ratio = (times["plain"] / times["bundle"] for times in (wall, cpu))
+    rates = ", ".join(f"{way} {clips / seconds:.0f} clips/s" for way, seconds in wall.items())
     print(f"{name}: {rates}: {ratio:.2f} times as fast ({cpu_ratio:.2f} by CPU time), cosine at least {cosine:.5f}")
     return ratio
 
 
+def in_turns(ways: Mapping[str, Callable[[], object]], rounds: int) -> tuple[dict[str, float], dict[str, float]]:
+    """The shortest seconds of each way, by the clock and on the processor."""
+    wall: dict[str, list[float]] = {way: [] for way in ways}
+    cpu: dict[str, list[float]] = {way: [] for way in ways}
+    for _ in range(rounds):
+        for way, call in ways.items():
+            start, start_cpu = time.perf_counter(), time.process_time()
+            call()
+            wall[way].append(time.perf_counter() - start)
+            cpu[way].append(time.process_time() - start_cpu)
+    return {way: min(times) for way, times in wall.items()}, {way: min(times) for way, times in cpu.items()}
+
+
+def windows(library: Path | None, *, clips: int, threads: int, rounds: int) -> float:
+    """Time the clips and windows that an index holds, of real motions; print and return how many times as fast."""
+    bundle = Bundle.load(threads=threads)
+    features = [bundle.features(motion)[: bundle.max_frames] for motion in motions(library, clips)]
+    durations = [len(rows) / bundle.fps for rows in features]
+    network = TMR(default_network(features[0].shape[1], 384)).motion_encoder.eval()
+    torch_way = plain(network)
+    pieces = [
+        rows[start : start + size]
+        for rows in features
+        for starts, size in grid(len(rows), bundle.fps).values()
+        for start in starts
+    ]
+    whole = [*features, *pieces]
+    ways: dict[str, Callable[[], object]] = {
+        "plain": lambda: torch_way(whole),
+        "bundle": lambda: (bundle.encode_features(features), encode_grids(bundle, features, durations)),
+    }
+    for call in ways.values():
+        call()
+    wall, cpu = in_turns(ways, rounds)
+    ratio, cpu_ratio = (times["plain"] / times["bundle"] for times in (wall, cpu))
+    exact, small = in_both(lambda either: either.encode_features(whole), threads)
+    cosine = np.quantile((exact * small).sum(axis=1), (0, 0.01, 0.5))
+    print(f"{len(features)} clips, {len(pieces)} windows, {sum(durations):.0f} s of motion, {threads} threads")
+    times = f"plain {wall['plain']:.2f} s, bundle {wall['bundle']:.2f} s"
+    print(f"{times}: {ratio:.2f} times as fast ({cpu_ratio:.2f} by CPU time)")
+    print(f"cosine of int8 and floating point: least {cosine[0]:.4f}, 1 in 100 {cosine[1]:.4f}, median {cosine[2]:.5f}")
+    return cpu_ratio
+
+
+def motions(library: Path | None, count: int) -> Iterator[Motion]:
+    """Real motions: of a library, drawn at random, else of the demo."""
+    if library is None:
+        yield from (load_motion(path) for path in sorted(DEMO.glob("*.bvh"))[:count])
+        return
+    with StoredLibrary.open(library) as stored:
+        yield from (stored.motion(int(id)) for id in np.random.default_rng(0).permutation(stored.ids())[:count])
+
+
+def recall(count: int, threads: int) -> float:
+    """Print retrieval figures of synthetic clips in both arithmetics; the mean change of all recalls, in points."""
+    clips = list(synthetic_clips(TEST, count, FEATURE_KINDS["body"]))
+    exact, small = in_both(partial(evaluate_corpus, clips), threads)
+    rows = [(name, k, exact[name][k], small[name][k]) for name in exact for k in exact[name]]
+    for name, k, before, after in rows:
+        print(f"{name:<34}{k:<14}{before:>8.1f}{after:>8.1f}{after - before:>+7.1f}")
+    changes = [after - before for _, k, before, after in rows if k.startswith("R@")]
+    print(f"{count} clips: recalls change by {np.mean(changes):+.2f} points on average, {min(changes):+.1f} at worst")
+    return float(np.mean(changes))
+
+
+def in_both(call: Callable[[Bundle], Any], threads: int) -> tuple[Any, Any]:
+    """What a bundle gives in floating point and in int8, where this processor has units for it."""
+    units, found = sessions.has_int8_units, []
+    for has in (lambda: False, units):
+        sessions.has_int8_units = has
+        found.append(call(Bundle.load(threads=threads)))
+    sessions.has_int8_units = units
+    return found[0], found[1]
+
+
 def main() -> None:
-    """Print both comparisons."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    """Print one of the comparisons."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("measure", choices=("sizes", "windows", "recall"))
+    parser.add_argument("library", type=Path, nargs="?")
     parser.add_argument("--clips", type=int, default=256)
     parser.add_argument("--threads", type=int, default=torch.get_num_threads())
     parser.add_argument("--rounds", type=int, default=5)
@@ -132,11 +216,16 @@ def main() -> None:
     torch.set_num_threads(options.threads)
     torch.manual_seed(0)
     warnings.simplefilter("ignore")  # torch's nested tensors announce that they may change
-    print(f"{options.clips} clips of 2 to 10 s, {options.threads} threads, best of {options.rounds}")
-    published = TMR(PUBLISHED).motion_encoder
-    compare("published TMR", published, "humanml3d", **vars(options))
-    default = TMR(default_network(FEATURE_KINDS["body"].size, 384)).motion_encoder
-    compare("default bundle", default, "body", **vars(options))
+    sizes = {"clips": options.clips, "threads": options.threads, "rounds": options.rounds}
+    if options.measure == "windows":
+        windows(options.library, **sizes)
+    elif options.measure == "recall":
+        recall(options.clips, options.threads)
+    else:
+        print(f"{options.clips} clips of 2 to 10 s, {options.threads} threads, best of {options.rounds}")
+        compare("published TMR", TMR(PUBLISHED).motion_encoder, "humanml3d", **sizes)
+        default = TMR(default_network(FEATURE_KINDS["body"].size, 384)).motion_encoder
+        compare("default bundle", default, "body", **sizes)
 
 
 if __name__ == "__main__":

@@ -98,7 +98,7 @@ class Bundle(BatchedEncoder):
     def _session(self, name: str) -> InferenceSession:
         with self._lock:
             if name not in self._sessions:
-                session = open_session(self.folder / name, self._threads)
+                session = open_session(self.folder / name, self._threads, int8=name == MOTION)
                 size = self._kind.size
                 inputs = {
                     MOTION: {"features": [None, None, size], "lengths": [None]},

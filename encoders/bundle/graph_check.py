@@ -6,8 +6,9 @@ library parses it. Memory at work is bounded apart from this, by the session's a
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from math import prod
+
+from encoders.bundle.protobuf import Message, fields, message, text, varints
 
 #: Operators of the encoders that are exported, and those that other exporters write in place of them.
 OPERATORS = frozenset(
@@ -29,9 +30,6 @@ MAX_NODES, MAX_CONSTANT, MAX_CONSTANTS = 20_000, 1 << 26, 1 << 28
 #: Numbers that may be computed from shapes alone: at a time where no constant has more, and together with constants.
 _FEW, _MANY = 1 << 12, 1 << 30
 
-Message = bytes | memoryview
-_VARINT, _FIXED64, _BYTES, _FIXED32 = 0, 1, 2, 5
-
 
 def check_graph(data: Message) -> int:
     """Check a whole ONNX file.
@@ -48,20 +46,20 @@ def check_graph(data: Message) -> int:
         Says what it holds that no encoder needs; or that it is no such file.
     """
     graphs = []
-    for field, value in _fields(memoryview(data)):
+    for field, value in fields(data):
         if field in (20, 25):
             raise ValueError("it defines functions or training")
         if field == 7:
-            graphs.append(_message(value))
+            graphs.append(message(value))
     if len(graphs) != 1:
         raise ValueError(f"{len(graphs)} graphs, not one")
     sizes: dict[str, int] = {}
     nodes = []
-    for field, value in _fields(graphs[0]):
+    for field, value in fields(graphs[0]):
         if field == 1:
-            nodes.append(_message(value))
+            nodes.append(message(value))
         elif field == 5:
-            name, size = _tensor(_message(value))
+            name, size = _tensor(message(value))
             sizes[name] = size
         elif field == 15:
             raise ValueError("it has sparse weights")
@@ -84,17 +82,17 @@ def _node(node: memoryview, sizes: dict[str, int], of_shapes: set[str]) -> int:
     Notes the sizes of outputs that are, and of others the names of those that no more than the shapes of inputs decide.
     """
     inputs, outputs, operator, own = [], [], "", 0
-    for field, value in _fields(node):
+    for field, value in fields(node):
         if field == 1:
-            inputs.append(_text(value))
+            inputs.append(text(value))
         elif field == 2:
-            outputs.append(_text(value))
+            outputs.append(text(value))
         elif field == 4:
-            operator = _text(value)
+            operator = text(value)
         elif field == 5:
-            own += _attribute(_message(value))
-        elif field == 7 and _text(value) not in ("", "ai.onnx"):
-            raise ValueError(f"operator of the domain {_text(value)!r}")
+            own += _attribute(message(value))
+        elif field == 7 and text(value) not in ("", "ai.onnx"):
+            raise ValueError(f"operator of the domain {text(value)!r}")
     if operator not in OPERATORS:
         raise ValueError(f"operator {operator!r}, which no encoder needs")
     if operator != "Constant" and not all(name in sizes for name in inputs if name):
@@ -118,13 +116,13 @@ def _node(node: memoryview, sizes: dict[str, int], of_shapes: set[str]) -> int:
 def _attribute(attribute: memoryview) -> int:
     """Numbers that an attribute holds."""
     size = 0
-    for field, value in _fields(attribute):
+    for field, value in fields(attribute):
         if field in (6, 11):
             raise ValueError("a graph within a node")
         if field in (22, 23):
             raise ValueError("it has sparse weights")
         if field in (5, 10):
-            size += _tensor(_message(value))[1]
+            size += _tensor(message(value))[1]
         elif field in (4, 7, 8, 9):
             size += len(value) if isinstance(value, memoryview) else 1
     return size
@@ -133,67 +131,14 @@ def _attribute(attribute: memoryview) -> int:
 def _tensor(tensor: memoryview) -> tuple[str, int]:
     """Name of a tensor and its size, no larger than its data."""
     name, dims = "", []
-    for field, value in _fields(tensor):
+    for field, value in fields(tensor):
         if field == 1:
-            dims += list(_varints(value)) if isinstance(value, memoryview) else [value]
+            dims += list(varints(value)) if isinstance(value, memoryview) else [value]
         elif field == 8:
-            name = _text(value)
+            name = text(value)
         elif field == 13 or (field == 14 and value != 0):
             raise ValueError("weights in another file")
     size = prod(dims)
     if size > 2 * len(tensor):  # two numbers a byte are the fewest bytes there are
         raise ValueError(f"weights {name!r} of {dims} are more than are there")
     return name, size
-
-
-def _fields(message: memoryview) -> Iterator[tuple[int, int | memoryview]]:
-    """The fields of a message: numbers, and where they are of bytes the bytes."""
-    at = 0
-    while at < len(message):
-        key, at = _varint(message, at)
-        kind = key & 7
-        if kind == _VARINT:
-            value, at = _varint(message, at)
-            yield key >> 3, value
-            continue
-        if kind == _BYTES:
-            size, at = _varint(message, at)
-        elif kind in (_FIXED64, _FIXED32):
-            size = 8 if kind == _FIXED64 else 4
-        else:
-            raise ValueError("no ONNX file")
-        if size > len(message) - at:
-            raise ValueError("no ONNX file, or one that is cut off")
-        yield key >> 3, message[at : at + size]
-        at += size
-
-
-def _varints(data: memoryview) -> Iterator[int]:
-    at = 0
-    while at < len(data):
-        value, at = _varint(data, at)
-        yield value
-
-
-def _varint(data: memoryview, at: int) -> tuple[int, int]:
-    """A number of up to ten bytes, seven bits in each, and the place after it."""
-    value = 0
-    for shift in range(0, 70, 7):
-        if at >= len(data):
-            break
-        byte = data[at]
-        at += 1
-        value |= (byte & 0x7F) << shift
-        if byte < 0x80:
-            return value, at
-    raise ValueError("no ONNX file, or one that is cut off")
-
-
-def _message(value: int | memoryview) -> memoryview:
-    if isinstance(value, int):
-        raise ValueError("no ONNX file")
-    return value
-
-
-def _text(value: int | memoryview) -> str:
-    return bytes(_message(value)).decode("utf-8", "replace")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from encoders.bundle.graph_check import check_graph
+from encoders.bundle.int8_graph import has_int8_units, open_int8
 from encoders.errors import BundleError
 
 if TYPE_CHECKING:
@@ -23,8 +24,13 @@ _allocating = threading.Lock()
 _allocators: list[Any] = []
 
 
-def open_session(path: Path, threads: int | None = None) -> InferenceSession:
+def open_session(path: Path, threads: int | None = None, *, int8: bool = False) -> InferenceSession:
     """An onnxruntime session on the CPU; weights stored small are turned to floating point here, once.
+
+    Parameters
+    ----------
+    int8 : bool
+        Multiply numbers of 8 bits where the processor has units for it; see `encoders.bundle.int8_graph`.
 
     Raises
     ------
@@ -53,11 +59,15 @@ def open_session(path: Path, threads: int | None = None) -> InferenceSession:
     without = [] if _version(onnxruntime) >= _BOUNDS_FOLDING else ["ConstantFolding"]
     if _has_bounded_allocator(onnxruntime):
         options.add_session_config_entry("session.use_env_allocators", "1")
-    try:
-        # From bytes: there is no folder for it to look into.
+
+    def load(graph: bytes) -> InferenceSession:  # from bytes: there is no folder for it to look into
         return onnxruntime.InferenceSession(
             graph, options, providers=["CPUExecutionProvider"], disabled_optimizers=without
         )
+
+    try:
+        small = open_int8(graph, load) if int8 and has_int8_units() else None
+        return small or load(graph)
     except Exception as error:  # onnxruntime's errors have no common base but Exception
         raise BundleError(f"{path}: onnxruntime cannot load it ({error})") from error
 

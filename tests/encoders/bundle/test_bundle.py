@@ -146,7 +146,7 @@ class CountingSession:
 
 def test_the_last_few_thousand_sentences_are_encoded_once(bundle, monkeypatch):
     counting = CountingSession(open_session(bundle.folder / "text.onnx"))
-    monkeypatch.setattr("encoders.bundle.bundle.open_session", lambda path, threads: counting)
+    monkeypatch.setattr("encoders.bundle.bundle.open_session", lambda path, threads, int8: counting)
     fresh = Bundle.load(bundle.folder)
     first = fresh.encode_texts(["jump", "run", "jump"])
     again = fresh.encode_texts(["run", "sit", "jump"])
