@@ -34,6 +34,8 @@ class ActionStep:
         A name of `encoders.corpus.engine.style.STYLES`.
     height : str
         "low", "middle" or "high".
+    degrees : int
+        How far a turn goes: 45, 90, 180, 270 or 360; 0 leaves it unspecified.
     """
 
     action: str
@@ -44,11 +46,13 @@ class ActionStep:
     count: int = 0
     style: str = ""
     height: str = ""
+    degrees: int = 0
 
     def __str__(self) -> str:
         attributes = (self.side, self.direction, self.speed, self.amplitude, self.style, self.height)
         count = f"{self.count} times" if self.count else ""
-        return ", ".join([self.action, *filter(None, (*attributes, count))])
+        degrees = f"{self.degrees} degrees" if self.degrees else ""
+        return ", ".join([self.action, *filter(None, (*attributes, degrees, count))])
 
 
 #: Steps that happen at the same time.

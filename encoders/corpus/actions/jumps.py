@@ -147,11 +147,17 @@ def jump_over(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> 
     )  # fmt: skip
 
 
-@program("spin jump", group="locomotion", directions=("left", "right", "clockwise", "counterclockwise", "around"))
+@program(
+    "spin jump",
+    group="locomotion",
+    directions=("left", "right", "clockwise", "counterclockwise", "around"),
+    degrees=(90, 180, 360),
+)
 def spin_jump(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Jump up and turn in the air."""
     side = {"left": 1, "counterclockwise": 1, "right": -1, "clockwise": -1}.get(step.direction, rng.choice([-1, 1]))
-    degrees = {"left": 90, "right": 90, "around": 180}.get(step.direction, rng.choice([180, 360]))
+    usual = {"left": 90, "right": 90, "around": 180}.get(step.direction, rng.choice([180, 360]))
+    degrees = step.degrees or usual
     return _jumps(
         manner, rng, 1, height=rng.uniform(0.2, 0.45), stride=np.zeros(2), angle=float(side * np.deg2rad(degrees)),
         tuck=0.05, wind_up=rng.uniform(0.3, 0.55),

@@ -96,14 +96,16 @@ def sample_step(action: Program, rng: Generator, *, detail: float = 0.5) -> Acti
     def draw(values: tuple[str, ...]) -> str:
         return str(rng.choice(values)) if values and rng.random() < detail else ""
 
-    counts = action.counts
+    counts, side, direction = action.counts, draw(action.sides), draw(action.directions)
+    turned = action.degrees and direction != "around" and rng.random() < 0.5 * detail
     return ActionStep(
         action.name,
-        side=draw(action.sides),
-        direction=draw(action.directions),
+        side=side,
+        direction=direction,
         speed=draw(action.speeds) if rng.random() < 0.5 else "",
         amplitude=draw(action.amplitudes) if rng.random() < 0.5 else "",
         count=int(rng.integers(counts[0], counts[1] + 1)) if counts and rng.random() < detail else 0,
         style=draw(tuple(STYLES)) if action.styled and rng.random() < 0.6 else "",
         height=draw(action.heights),
+        degrees=int(rng.choice(action.degrees)) if turned else 0,
     )

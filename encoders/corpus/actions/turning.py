@@ -19,13 +19,14 @@ from encoders.motion import FPS
     group="locomotion",
     parts=LEGS,
     directions=("left", "right", "around", "clockwise", "counterclockwise"),
+    degrees=(45, 90, 135, 180, 270, 360),
     weight=2.5,
 )
 def turn(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
-    """Turn on the spot in small steps: a quarter to a side, half or a whole turn around."""
+    """Turn on the spot in small steps: by the step's angle, else a quarter to a side, half or a whole turn around."""
     side = {"left": 1, "counterclockwise": 1, "right": -1, "clockwise": -1}.get(step.direction, rng.choice([-1, 1]))
-    degrees = {"left": 90, "right": 90, "around": 180}.get(step.direction, rng.choice([180, 360]))
-    degrees = {"small": 0.5, "": 1.0, "large": 1.5}[step.amplitude] * degrees * rng.uniform(0.85, 1.1)
+    usual = {"left": 90, "right": 90, "around": 180}.get(step.direction, rng.choice([180, 360]))
+    degrees = (step.degrees or usual) * rng.uniform(0.88, 1.1)
     return spin_in_place(step, manner, rng, frames, np.deg2rad(side * degrees), rng.uniform(90, 160))
 
 
@@ -60,11 +61,19 @@ def spin(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curve
     return curves
 
 
-@program("pivot", group="locomotion", parts=LEGS, sides=("left", "right"), directions=("left", "right", "around"))
+@program(
+    "pivot",
+    group="locomotion",
+    parts=LEGS,
+    sides=("left", "right"),
+    directions=("left", "right", "around"),
+    degrees=(90, 180),
+)
 def pivot(step: ActionStep, manner: Manner, rng: Generator, frames: int) -> Curves:
     """Turn at once on the ball of one foot, the other foot carried around it."""
     side = {"left": 1, "right": -1}.get(step.direction, rng.choice([-1, 1]))
-    angle = side * np.deg2rad(rng.uniform(150, 190) if step.direction == "around" else rng.uniform(70, 180))
+    usual = 180 if step.direction == "around" else rng.uniform(80, 175)
+    angle = side * np.deg2rad((step.degrees or usual) * rng.uniform(0.87, 1.06))
     on = SIDE_INDEX[step.side] if step.side else int(rng.integers(2))
     frames = frames or int(rng.uniform(0.9, 1.5) / (1.4 if step.speed == "fast" else 1.0) * FPS)
     curves = standing(frames, LEGS)

@@ -23,7 +23,7 @@ HYPERNYMS = {
     "stagger": "walk", "crouch walk": "walk", "shuffle": "walk", "drag leg": "walk",
     "balance beam": "walk", "take steps": "walk", "walk half circle": "walk", "walk figure eight": "walk",
     "get pushed": "stumble", "hop": "jump", "leap": "jump",
-    "spin jump": "jump", "jump over": "jump", "hurdle": "jump", "army crawl": "crawl", "pivot": "turn",
+    "spin jump": "jump", "jump over": "jump", "hurdle": "jump", "army crawl": "crawl", "pivot": "turn", "spin": "turn",
     "trip and fall": "fall", "slip and fall": "fall", "collapse": "fall", "die": "fall", "faint": "collapse",
     "hit from the side": "hit reaction", "hit from behind": "hit reaction", "wait": "stand", "jump start": "jump",
     "side lunges": "lunge", "touch opposite knee": "touch knee", "touch opposite shoulder": "touch shoulder",
@@ -35,6 +35,7 @@ _ALSO_CALLED = {
     "left": ("forward-left",), "right": ("forward-right",), "forward-left": ("left",), "forward-right": ("right",),
     "backward-left": ("backward",), "backward-right": ("backward",),
 }  # fmt: skip
+_TURNS = frozenset({"turn", "pivot", "spin jump"})
 _ATTRIBUTES = tuple(f.name for f in fields(ActionStep) if f.name != "action")
 
 
@@ -65,7 +66,17 @@ def _named(action: str, step: ActionStep) -> set[str]:
         step = replace(step, speed="fast")
     stated = {(name, value) for name in _ATTRIBUTES if (value := getattr(step, name))}
     stated |= {("direction", also) for also in _ALSO_CALLED.get(step.direction, ())}
+    stated |= _turned(step)
     return {action} | {f"{action}.{name}={value}" for name, value in stated}
+
+
+def _turned(step: ActionStep) -> set[tuple[str, object]]:
+    """What an angle says in other words: a turn around is one of 180 degrees, a single spin one of 360."""
+    if step.degrees == 180 and step.direction:
+        return {("direction", "around")}
+    if step.action in _TURNS and step.direction == "around":
+        return {("degrees", 180)}
+    return {("degrees", 360)} if step.action == "spin" and step.count == 1 else set()
 
 
 class Underspecified:

@@ -38,7 +38,10 @@ _OPEN: dict[str, tuple[str, ...]] = {
     "sidestep": ("left", "right"),
     "pivot": ("left", "right", "around"),
     "spin": ("clockwise", "counterclockwise"),
+    "touch heel": ("forward", "forward", "backward"),
 }
+#: Angle of a turn by its direction, if nothing is said of it.
+_TURNED = {"left": (90,), "right": (90,), "around": (180,)}
 #: Actions of the arms that mostly go with others, and how often somebody walks meanwhile, if nothing is said of it.
 _WALKED = {
     "carry": 0.6, "carry on shoulder": 0.65, "carry on head": 0.65, "push cart": 0.75, "drag behind": 0.8,
@@ -90,7 +93,10 @@ def complete_scene(scene: Scene, rng: Generator) -> Scene:
                 direction = str(rng.choice(choices))
             if "sit" in (action.starts, action.ends) and seat in action.heights:
                 height = seat = height or seat
-            decided.append(replace(step, side=side, direction=direction, height=height))
+            degrees = step.degrees
+            if action.degrees and not degrees:
+                degrees = int(rng.choice(_TURNED.get(direction, (180, 360))))
+            decided.append(replace(step, side=side, direction=direction, height=height, degrees=degrees))
         groups.append(tuple(decided))
     return Scene(tuple(groups))
 

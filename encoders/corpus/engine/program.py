@@ -41,6 +41,8 @@ class Program:
         Body parts it occupies unless a side narrows them down; `Curves.parts` of a result is exact.
     sides, directions, speeds, amplitudes, heights : tuple of str
         Values of the step's fields that it supports; "" (unspecified) is always allowed.
+    degrees : tuple of int
+        Angles that it supports.
     counts : (int, int) or None
         Smallest and largest count that it supports.
     styled : bool
@@ -62,6 +64,7 @@ class Program:
     speeds: tuple[str, ...] = SPEEDS
     amplitudes: tuple[str, ...] = ()
     heights: tuple[str, ...] = ()
+    degrees: tuple[int, ...] = ()
     counts: tuple[int, int] | None = None
     styled: bool = True
     starts: str = "stand"

@@ -14,6 +14,11 @@ from encoders.corpus.scene import ActionStep
 from encoders.english import indefinite, inflect, number_word, times
 
 MENTIONED = 0.85  # share of the specified fields that a caption mentions
+_DEGREES = 0.25  # the same of angles, which people seldom give
+_VAGUE = 0.2  # share of counts above two that are not told
+_SEVERAL_TIMES = (
+    "several times", "repeatedly", "multiple times", "a few times", "over and over", "again and again",
+)  # fmt: skip
 _SLOT = re.compile(r"\{(\w+)(?::([^}]+))?\}")
 _PLURALS = {"foot": "feet", "palm": "palms", "fingers": "fingers"}
 _SIDE_PHRASES = (
@@ -142,6 +147,8 @@ def _modifiers(step: ActionStep, fields: set[str], limb: str, rng: RandomSource)
             adverb = pick_early(rng, adverbs)
         elif options := [*adverbs, *tails]:
             after.append(pick_early(rng, options))
+    if "degrees" in fields:
+        after.insert(0, pick_early(rng, modifier(step.action, "degrees", str(step.degrees)).get("after", [""])))
     if "count" in fields:
         after.insert(min(len(after), 1 if rng.random() < 0.5 else 9), pick_early(rng, times(step.count)))
     return adverb, after
@@ -170,8 +177,15 @@ def make_clause(
     assert entry is not None
     set_fields = {field for field in FIELDS if getattr(step, field)}
     open_fields = [field for field in FIELDS if field in set_fields - phrase.mentioned_fields(step) - without]
-    to_mention = {field for field in open_fields if field not in entry.never_mentioned and rng.random() < MENTIONED}
+    to_mention = {
+        field
+        for field in open_fields
+        if field not in entry.never_mentioned and rng.random() < (_DEGREES if field == "degrees" else MENTIONED)
+    }
+    vague = "count" in to_mention and rng.random() < _VAGUE and step.count > 2
+    to_mention -= {"count"} if vague else set()
     adverb, after = _modifiers(step, to_mention, entry.limb, rng)
+    after += [pick_early(rng, _SEVERAL_TIMES)] if vague else []
     return Clause(
         text=fill(mark_verbs(phrase.text), step, subject, rng),
         mentioned=without_fields(step, set(open_fields) - to_mention),

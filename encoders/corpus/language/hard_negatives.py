@@ -1,6 +1,6 @@
 """Hard negatives: scenes that differ from a given one in a single attribute or in order.
 
-Bag-of-words models confuse such pairs: the order of two steps, left and right, a direction, a count.
+Bag-of-words models confuse such pairs: the order of two steps, left and right, a direction, a count, an angle.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ def _legal(step: ActionStep) -> bool:
     if program is None:
         return False
     counted = not step.count or (program.counts is not None and program.counts[0] <= step.count <= program.counts[1])
+    turned = not step.degrees or step.degrees in program.degrees
     sided = not step.side or step.side in program.sides
-    return sided and counted and (not step.direction or step.direction in program.directions)
+    return sided and counted and turned and (not step.direction or step.direction in program.directions)
 
 
 def _changes(step: ActionStep) -> list[ActionStep]:
@@ -38,6 +39,8 @@ def _changes(step: ActionStep) -> list[ActionStep]:
         changed.append(replace(step, direction=_OPPOSITE_DIRECTION[step.direction]))
     if step.count:
         changed += [replace(step, count=step.count + more) for more in (-2, -1, 1, 2) if step.count + more > 0]
+    if step.degrees:
+        changed += [replace(step, degrees=degrees) for degrees in (step.degrees // 2, 2 * step.degrees)]
     return [other for other in changed if _legal(other)]
 
 

@@ -43,7 +43,7 @@ _IMPLIES = {
     ("height", "low"): re.compile(r"\b(low|near the ground)\b"),
 }  # fmt: skip
 #: The fields of a step that captions can mention, in the order of random draws.
-FIELDS = ("side", "direction", "speed", "amplitude", "count", "style", "height")
+FIELDS = ("side", "direction", "speed", "amplitude", "count", "style", "height", "degrees")
 
 
 @dataclass(frozen=True)

@@ -161,12 +161,16 @@ def _legal(action: str, fields: dict[str, str], found: ClauseAttributes) -> Acti
         if program.group == "locomotion":
             return None
         amplitude = "small"
-    speed, style = found.fields.get("speed", ""), found.fields.get("style", "")
+    speed, style, degrees = (found.fields.get(name, "") for name in ("speed", "style", "degrees"))
+    if degrees == "360" and "clockwise" in program.directions and program.counts:
+        count, degrees = count or 1, ""  # "spins 360 degrees"
+    if degrees and int(degrees) not in program.degrees:
+        return None
     if (amplitude and amplitude not in program.amplitudes) or (speed and speed not in program.speeds):
         return None
     if style and not program.styled:
         return None
-    return ActionStep(action, side, direction, speed, amplitude, count, style, height)
+    return ActionStep(action, side, direction, speed, amplitude, count, style, height, int(degrees or 0))
 
 
 _COMPARISON = re.compile(r" ?(?:as if|as though|like|as) (?:[a-z']+ ?){1,8}$")

@@ -49,3 +49,11 @@ def test_sides_are_the_bodys_own(side: str) -> None:
     assert kneeling.feet[:, on, 2].min() < kneeling.feet[:, 1 - on, 2].min() - 0.3
     balance = perform(ActionStep("balance on one leg", side=side))
     assert balance.feet[len(balance) // 2, 1 - on, 1] > balance.feet[len(balance) // 2, on, 1] + 0.2
+
+
+@pytest.mark.parametrize("name", ["turn", "pivot", "spin jump"])
+def test_turns_go_as_far_as_the_step_says(name: str) -> None:
+    for degrees in programs()[name].degrees:
+        for direction, sign in (("left", 1), ("right", -1)):
+            heading = perform(ActionStep(name, direction=direction, degrees=degrees)).heading
+            assert np.rad2deg(heading[-1] - heading[0]) == pytest.approx(sign * degrees, rel=0.15)

@@ -29,6 +29,10 @@ def sequence(*actions: str) -> Scene:
         (one("sprint"), one("run", speed="fast")),
         (one("walk", direction="left"), one("walk", direction="forward-left")),
         (one("walk", direction="backward"), one("walk", direction="backward-left")),
+        (one("turn", degrees=180), one("turn", direction="around")),
+        (one("turn", direction="around"), one("turn", direction="left", degrees=180)),
+        (one("turn", degrees=360), one("spin", count=1)),
+        (one("fall"), one("trip and fall")),
         (one("jump"), sequence("walk", "jump")),
         (sequence("walk", "sit"), sequence("walk", "jump", "sit")),
         (sequence("walk", "run"), sequence("limp", "sprint")),
@@ -50,6 +54,7 @@ def test_a_caption_entails_all_its_facts(said: Scene, shown: Scene) -> None:
         (one("walk", direction="backward-left"), one("walk", direction="backward")),
         (sequence("walk", "sit"), sequence("sit", "walk")),
         (Scene(((ActionStep("walk"), ActionStep("wave")),)), sequence("walk", "wave")),
+        (one("turn", degrees=90), one("turn", degrees=180)),
     ],
 )
 def test_a_caption_does_not_describe_a_scene_with_one_contrary_fact(said: Scene, shown: Scene) -> None:

@@ -80,3 +80,20 @@ def test_short_labels_are_sometimes_names_of_files() -> None:
     names = [text for text in written if "_" in text]
     assert any(name.lower().startswith("death_back") for name in names)
     assert all(" " not in name and len(name.split("_")) <= 6 for name in names)
+
+
+def test_counts_are_sometimes_left_vague_and_then_not_stated() -> None:
+    rng = random.Random(1)
+    scene = Scene(((ActionStep("wave", count=4),),))
+    said = [describe(scene, rng) for _ in range(300)]
+    vague = [c.scene.steps[0][0].count for c in said if re.search(r"\b(several times|repeatedly)", c.text)]
+    assert len(vague) >= 5
+    assert not any(vague)
+
+
+def test_angles_that_a_caption_gives_are_those_of_the_turn() -> None:
+    rng = random.Random(2)
+    for degrees in (90, 270):
+        scene = Scene(((ActionStep("turn", direction="left", degrees=degrees),),))
+        given = {n for _ in range(200) for n in re.findall(r"\b(45|90|135|180|270|360)\b", describe(scene, rng).text)}
+        assert given == {str(degrees)}

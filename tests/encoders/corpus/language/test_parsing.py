@@ -26,6 +26,10 @@ from encoders.corpus.language.parsing import parse
         ("a person gets up from the floor", "get up"),
         ("a person sits down and gets up", "sit down; then stand up"),
         ("a person trips and falls", "trip and fall"),
+        ("a person turns 90 degrees to the left", "turn, left, 90 degrees"),
+        ("a person makes a quarter turn to the right", "turn, right, 90 degrees"),
+        ("a person does a half turn", "turn, 180 degrees"),
+        ("a person spins 360 degrees", "spin dance, 1 times"),
         ("a person gets hit in the head", "hit reaction, high"),
         ("a person touches the left elbow to the right knee", "elbow to knee, right"),
         ("a person touches the left shoulder with the right hand", "touch opposite shoulder, right"),
@@ -49,6 +53,7 @@ def test_sentences_are_parsed(sentence: str, scene: str) -> None:
         "a person walks like nothing on earth while whistling",
         "une personne marche",
         "a person almost falls",
+        "a person walks 90 degrees",
     ],
 )
 def test_doubtful_sentences_give_no_scene(sentence: str) -> None:
