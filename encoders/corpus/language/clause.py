@@ -14,7 +14,7 @@ from encoders.corpus.scene import ActionStep
 from encoders.english import indefinite, inflect, number_word, times
 
 MENTIONED = 0.85  # share of the specified fields that a caption mentions
-_DEGREES = 0.25  # the same of angles, which people seldom give
+_DEGREES, _ONCE = 0.25, 0.35  # the same of angles, and of counts of one, which people seldom give
 _VAGUE = 0.2  # share of counts above two that are not told
 _SEVERAL_TIMES = (
     "several times", "repeatedly", "multiple times", "a few times", "over and over", "again and again",
@@ -166,6 +166,13 @@ def choose_phrase(step: ActionStep, kind: str, rng: RandomSource) -> Phrase | No
     return pick_early(rng, chosen)
 
 
+def _told(field: str, step: ActionStep) -> float:
+    """Share of captions that mention a specified field."""
+    if field == "degrees":
+        return _DEGREES
+    return _ONCE if field == "count" and step.count == 1 else MENTIONED
+
+
 def make_clause(
     step: ActionStep, subject: Subject, rng: RandomSource, *, without: frozenset[str] = frozenset()
 ) -> Clause:
@@ -178,9 +185,7 @@ def make_clause(
     set_fields = {field for field in FIELDS if getattr(step, field)}
     open_fields = [field for field in FIELDS if field in set_fields - phrase.mentioned_fields(step) - without]
     to_mention = {
-        field
-        for field in open_fields
-        if field not in entry.never_mentioned and rng.random() < (_DEGREES if field == "degrees" else MENTIONED)
+        field for field in open_fields if field not in entry.never_mentioned and rng.random() < _told(field, step)
     }
     vague = "count" in to_mention and rng.random() < _VAGUE and step.count > 2
     to_mention -= {"count"} if vague else set()
