@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from search.query.question import Question
+from search.ranking.description import Description
 
 #: Times (T,) in seconds and the similarity (S, T) of each sentence.
 Curve = tuple[NDArray[np.float64], NDArray[np.float32]]
@@ -37,6 +38,7 @@ def curve_document(sentences: Sequence[str], curve: Curve) -> dict[str, Any]:
     return {"times": times.round(3).tolist(), "similarity": dict(zip(sentences, rounded, strict=True))}
 
 
-def description_document(path: str, sentences: Sequence[tuple[str, float]]) -> dict[str, Any]:
-    """The sentences that match a motion, with their scores."""
-    return {"path": path, "sentences": [{"text": text, "score": round(score, 4)} for text, score in sentences]}
+def description_document(path: str, sentences: Sequence[Description]) -> dict[str, Any]:
+    """The sentences that match a motion, with their scores and strengths."""
+    listed = [{"text": s.text, "score": round(s.score, 4), "strength": s.strength} for s in sentences]
+    return {"path": path, "sentences": listed}

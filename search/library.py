@@ -38,7 +38,7 @@ from search.ranking.alignment import RERANKED, rerank_by_alignment
 from search.ranking.answers import Answer, as_hits, checked_strength
 from search.ranking.batched import batched
 from search.ranking.clip_scores import ClipScore, best_clips, rank_by_window, rank_clips
-from search.ranking.description import describe_motion
+from search.ranking.description import Description, describe_motion
 from search.ranking.late_interaction import rerank_by_tokens
 from search.ranking.text_matches import TextMatch, fused, text_matches
 from search.references import Ref, is_vector, source_of, span_of
@@ -243,13 +243,14 @@ class Library(MarkedLibrary):
         *,
         fps: float | None = None,
         up: str | None = None,
-    ) -> list[tuple[str, float]]:
+    ) -> list[Description]:
         """The sentences that fit a motion, or a span of it, best: the library's captions and the shipped vocabulary.
 
         Returns
         -------
-        list of (sentence, score)
-            Best first, no sentence twice. The score is a cosine less what is taken from sentences near every motion.
+        list of Description
+            Pairs (sentence, score) with their `strength`; best first, no sentence twice. The score is a cosine less
+            what is taken from sentences near every motion.
         """
         captions, _, vectors = self.caption_vectors()
         motion = self._cut(ref, start, end, fps, up)

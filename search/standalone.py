@@ -15,7 +15,7 @@ from search.moments.queried_motion import QueriedMotion
 from search.moments.segments import Segment, segment_motion
 from search.query.question import Question
 from search.ranking.answers import checked_strength
-from search.ranking.description import describe_motion
+from search.ranking.description import Description, describe_motion
 from search.references import Ref, source_of, span_of
 from search.source import MotionSource
 
@@ -80,13 +80,14 @@ def describe(
     fps: float | None = None,
     up: str | None = None,
     bundle: Encoder | None = None,
-) -> list[tuple[str, float]]:
+) -> list[Description]:
     """The sentences of the shipped vocabulary that fit a motion, or a span of it in seconds, best; see `moments`.
 
     Returns
     -------
-    list of (sentence, score)
-        Best first. The score is a cosine less what is taken from sentences near every motion.
+    list of Description
+        Pairs (sentence, score) with their `strength`; best first. The score is a cosine less what is taken from
+        sentences near every motion.
 
     Raises
     ------

@@ -5,7 +5,7 @@
 import * as api from "./api.js";
 import { Compare } from "./compare.js";
 import { contacts } from "./contacts.js";
-import { byId, clamp, clock, el } from "./dom.js";
+import { byId, clamp, clock, el, strengthMark } from "./dom.js";
 import { CLOSED, go, link, note, read } from "./state.js";
 import { frameOf, rateOf, timecode } from "./timecode.js";
 import { Timeline } from "./timeline.js";
@@ -208,8 +208,9 @@ export class Viewer {
     try {
       const { sentences } = await api.describe(clip);
       if (clip !== this.clip) return;
-      byId("described").replaceChildren(...sentences.map(({ text, score }) =>
-        el("li", {}, el("a", { href: link({ ...CLOSED, q: text, like: "", ids: "", view: "" }) }, text), el("span", { class: "score" }, score.toFixed(2))))); // prettier-ignore
+      const known = !sentences.every(({ strength }) => strength === "weak");
+      byId("described").replaceChildren(...(known ? [] : [el("li", { class: "quiet" }, "Nothing the model knows fits well. The nearest:")]), ...sentences.map(({ text, score, strength }) =>
+        el("li", {}, el("a", { href: link({ ...CLOSED, q: text, like: "", ids: "", view: "" }) }, text), strengthMark(strength), el("span", { class: "score" }, score.toFixed(2))))); // prettier-ignore
     } catch (error) {
       byId("described").replaceChildren(el("li", {}, /** @type {Error} */ (error).message));
     }

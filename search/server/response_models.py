@@ -69,6 +69,7 @@ class SimilarResponse(SearchResponse):
 class SentenceModel(BaseModel):
     text: str
     score: float
+    strength: str
 
 
 class DescribeResponse(BaseModel):

@@ -14,8 +14,9 @@ from search.cli import options
 
 if TYPE_CHECKING:
     from search.library import Library
+    from search.ranking.description import Description
 
-Described = tuple[str, list[tuple[str, float]]]
+Described = tuple[str, list["Description"]]
 
 
 @click.command()
@@ -87,6 +88,7 @@ def describe(
     from search.cli import terminal
     from search.cli.progress import working
     from search.documents import description_document
+    from search.hits import WEAK
     from search.ranking.description import describe_motion
 
     with (
@@ -98,7 +100,10 @@ def describe(
     if as_json:
         terminal.document(description_document(source.path, sentences))
     else:
-        terminal.table(("score", "sentence"), [(f"{score:.3f}", text) for text, score in sentences], right=("score",))
+        rows = [(f"{s.score:.3f}", s.text, s.strength) for s in sentences]
+        terminal.table(("score", "sentence", "strength"), rows, right=("score",))
+        if all(s.strength == WEAK for s in sentences):
+            terminal.note("nothing that the model knows fits well; these are the nearest")
 
 
 def _describe_all(
@@ -121,8 +126,8 @@ def _describe_all(
     elif as_json:
         terminal.document({"clips": [description_document(path, sentences) for path, sentences in found]})
     else:
-        rows = [(path, f"{score:.3f}", text) for path, sentences in found for text, score in sentences]
-        terminal.table(("clip", "score", "sentence"), rows, right=("score",), below=("clip",))
+        rows = [(path, f"{s.score:.3f}", s.text, s.strength) for path, sentences in found for s in sentences]
+        terminal.table(("clip", "score", "sentence", "strength"), rows, right=("score",), below=("clip",))
 
 
 def _descriptions(library: Library, k: int, filters: dict[str, Any]) -> Iterator[Described]:
@@ -147,6 +152,6 @@ def _table(found: list[Described]) -> str:
     """A captions table: what is right of it, or corrected, can be put into its folder as captions.csv."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("path", "text", "score"))
-    writer.writerows((path, sentence, f"{score:.3f}") for path, sentences in found for sentence, score in sentences)
+    writer.writerow(("path", "text", "score", "strength"))
+    writer.writerows((path, s.text, f"{s.score:.3f}", s.strength) for path, sentences in found for s in sentences)
     return text.getvalue()
