@@ -80,10 +80,23 @@ class Library(MarkedLibrary):
     `LibraryLocked` while another process does.
     """
 
-    def clips(self, **filters: Unpack[FilterArguments]) -> Iterator[Clip]:
-        """The clips, in order of their numbers; read in chunks, so that memory does not grow with the library."""
+    def clips(self, sort: str | None = None, **filters: Unpack[FilterArguments]) -> Iterator[Clip]:
+        """The clips, read in chunks, so that memory does not grow with the library.
+
+        Parameters
+        ----------
+        sort : str, optional
+            "name", "longest", "shortest" or "newest"; in order of their numbers if not given.
+        """
         allowed = self.allowed(**filters)
+        if sort is not None:
+            return self._chunks(self.sorted_among(sort, allowed))
         return super().clips() if allowed is None else self._chunks(allowed)
+
+    def sorted_among(self, sort: str, allowed: Ids | None) -> Ids:
+        """Those of some ids, or of all, that are clips, by an order of `clips`."""
+        ids = self.sorted_ids(sort)
+        return ids if allowed is None else ids[np.isin(ids, allowed)]
 
     def _chunks(self, ids: Ids) -> Iterator[Clip]:
         for first in range(0, len(ids), _CHUNK):

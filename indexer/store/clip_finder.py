@@ -16,7 +16,7 @@ from encoders.arguments import is_text, shown
 from encoders.errors import ArgumentError, QueryError, UnknownClip
 from indexer.argument_checks import checked_clip_id
 from indexer.part_names import is_meant, splits
-from indexer.store.clips import LIVE, Clip, root_names, select
+from indexer.store.clips import LIVE, ORDERS, Clip, root_names, select
 from indexer.store.files import ARRAYS_ROOT
 from indexer.store.library_reader import LibraryReader, one_snapshot
 from indexer.store.spelling import composed
@@ -90,6 +90,19 @@ class ClipFinder(LibraryReader):
             ) from error
         return np.array([row[0] for row in rows], np.int64)
 
+    def sorted_ids(self, sort: str) -> NDArray[np.int64]:
+        """Ids of all clips by one of `indexer.store.clips.ORDERS`.
+
+        Raises
+        ------
+        ArgumentError
+            If it is none of these.
+        """
+        if not is_text(sort) or sort not in ORDERS:
+            raise ArgumentError(f"sort={shown(sort)} must be one of {', '.join(ORDERS)}")
+        rows = self.connection.execute(f"SELECT clips.id {LIVE} ORDER BY {ORDERS[sort]}")
+        return np.array([row[0] for row in rows], np.int64)
+
     @one_snapshot
     def clip(self, id: int) -> Clip:
         """One clip.
@@ -106,7 +119,7 @@ class ClipFinder(LibraryReader):
 
     @one_snapshot
     def clips_by_id(self, ids: Iterable[int]) -> dict[int, Clip]:
-        """The clips of these ids that exist, by id."""
+        """The clips of these ids that exist, by id, in the order of the ids."""
         if not isinstance(ids, Iterable):
             raise ArgumentError(f"ids={shown(ids)} must be a list of numbers of clips")
         wanted = [i for i in dict.fromkeys(map(checked_clip_id, ids)) if abs(i) <= _LARGEST_ID]
@@ -115,7 +128,7 @@ class ClipFinder(LibraryReader):
             part = wanted[first : first + _VARIABLES]
             marks = ",".join("?" * len(part))
             found |= {clip.id: clip for clip in self._select(f"clips.id IN ({marks})", part)}
-        return found
+        return {i: found[i] for i in wanted if i in found}
 
     def clips(self) -> Iterator[Clip]:
         """Every clip, in order of its id; read in chunks, so that memory does not grow with the library."""

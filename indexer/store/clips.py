@@ -17,6 +17,14 @@ from indexer.store.files import ARRAY
 #: The clips that can be found; conditions may use the columns of `clips` and `files`.
 LIVE = "FROM clips JOIN files ON files.id = clips.file_id WHERE files.state = 'indexed'"
 
+#: How clips can be sorted, as SQL orders.
+ORDERS = {
+    "name": "clips.name COLLATE NOCASE, clips.id",
+    "longest": "clips.duration DESC, clips.id",
+    "shortest": "clips.duration, clips.id",
+    "newest": "clips.added DESC, clips.id DESC",
+}
+
 _COLUMNS = (
     "clips.id, clips.clip_path, files.root_id, clips.name, clips.duration, clips.fps, clips.frames, "
     "clips.format, clips.rig, clips.added, clips.part, clips.take, clips.up, clips.up_reason, clips.start, "

@@ -75,7 +75,7 @@ export const similar = (clip, start, end, filters, k, offset, signal) =>
   requestJson(address("similar", { clip, start, end, k, offset, ...filters }), { signal });
 
 /** All clips, a varied choice of the seed first. @param {AbortSignal} [signal] @returns {Promise<{total: number, motions: MotionInfo[]}>} */
-export const motions = (filters, limit, offset, seed, signal) => requestJson(address("motions", { limit, offset, seed, ...filters }), { signal });
+export const motions = (filters, limit, offset, order, signal) => requestJson(address("motions", { limit, offset, ...order, ...filters }), { signal });
 
 /** Clips by their numbers or keys, those that are there. @param {string[]} clips @param {AbortSignal} [signal] @returns {Promise<MotionInfo[]>} */
 export const motionsOf = async (clips, signal) =>

@@ -4,11 +4,11 @@
 
 import { byId } from "./dom.js";
 import { showFacets } from "./facets.js";
-import { CLOSED, filters, go, read } from "./state.js";
+import { CLOSED, asked, go, read } from "./state.js";
 
 const DEBOUNCE = 100; // milliseconds without typing before a search
 const SETTLE = 250; // before a filter that is being typed is applied
-const NO_FILTERS = { min: "", max: "", path: "", format: "", rig: "", captioned: "", starred: "", tag: "", collection: "" };
+const NO_FILTERS = { min: "", max: "", path: "", format: "", rig: "", captioned: "", starred: "", tag: "", collection: "", strength: "" };
 
 let waiting = 0; // the debounce timer of the search box
 let narrowing = 0; // that of the filters
@@ -18,7 +18,7 @@ export function showQuestion(state) {
   if (!waiting && byId("q").value.trim() !== state.q) byId("q").value = state.q;
   byId("moments").checked = Boolean(state.moments);
   if (!narrowing) for (const input of byId("filters").elements) if (input.name) input.value = state[input.name];
-  const set = Object.values(filters(state)).filter(Boolean).length;
+  const set = Object.values(asked(state)).filter(Boolean).length;
   byId("filter-count").textContent = set ? `(${set})` : "";
   showFacets(state);
 }

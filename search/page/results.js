@@ -5,12 +5,17 @@
 import * as api from "./api.js";
 import { byId, clamp, clock, el } from "./dom.js";
 import { asksSide, stacked } from "./stacks.js";
-import { clipsOf, filters, link } from "./state.js";
+import { asked, clipsOf, filters, go, link } from "./state.js";
 
 const PAGE = 24;
 const MOST = 200; // hits of one request
 const MAX_OFFSET = 200; // of moments and similar clips
 const SLOW = 150; // milliseconds until it is said what takes so long
+const ORDERS = {
+  name: (a, b) => a.path.localeCompare(b.path, undefined, { numeric: true }),
+  longest: (a, b) => b.duration - a.duration,
+  shortest: (a, b) => a.duration - b.duration,
+};
 const SUGGESTIONS = ["a person walks forward", "someone waves with the right hand", "running and then jumping", "a person kicks a ball", "sits down on a chair", "climbs up a ladder"];
 
 /** Of the choice that is shown where nothing is asked: another one at each visit. */
@@ -29,12 +34,13 @@ export class Results {
       this.asked = "";
       this.show(this.state);
     });
+    byId("sort").addEventListener("change", () => go({ sort: byId("sort").value }, { quietly: true }));
     byId("chips").replaceChildren(...SUGGESTIONS.map((q) => el("a", { class: "chip", href: link({ q }), "data-q": q }, q)));
   }
 
   /** @param {import("./state.js").State} state @param {number} [count] of hits that were shown when the user left */
   async show(state, count = PAGE) {
-    const key = JSON.stringify([state.q, state.moments, state.like, state.from, state.to, state.ids, filters(state)]);
+    const key = JSON.stringify([state.q, state.moments, state.like, state.from, state.to, state.ids, state.sort, asked(state)]);
     if (key === this.asked) return;
     this.asked = key;
     this.state = state;
@@ -46,6 +52,9 @@ export class Results {
     byId("more-error").textContent = "";
     byId("chips").hidden = Boolean(state.q || state.like || state.ids);
     byId("others").hidden = true;
+    byId("sort").value = state.sort;
+    byId("sort").options[0].text = state.q || state.like ? "Best first" : "Varied";
+    byId("sort").querySelector("[value=newest]").hidden = !isListing(state); // a hit does not say when it was added
     byId("recent-chips").classList.toggle("unasked", !byId("chips").hidden);
     for (const chip of byId("chips").children) chip.href = link({ q: chip.dataset.q, view: "", clip: "" });
     const { signal } = this.running;
@@ -55,7 +64,8 @@ export class Results {
       const { hits, message, total } = await answer(state, 0, wanted, signal);
       if (signal.aborted) return;
       this.seen = new Map();
-      this.grid.show(stacked(hits, asksSide(state.q), this.seen));
+      this.hits = hits;
+      this.grid.show(this.#sorted(hits));
       this.#report(state, hits, message);
       this.#offerMore(hits.length, wanted, total);
     } catch (error) {
@@ -79,7 +89,11 @@ export class Results {
       const { hits, total } = await answer(this.state, this.offset, PAGE, signal);
       if (signal.aborted) return;
       const before = this.grid.cards.length;
-      this.grid.add(stacked(hits, asksSide(this.state.q), this.seen));
+      this.hits = [...this.hits, ...hits];
+      if (this.state.sort && !isListing(this.state)) {
+        this.seen = new Map();
+        this.grid.show(this.#sorted(this.hits));
+      } else this.grid.add(this.#sorted(hits));
       this.grid.refreshCopies();
       this.grid.focus(before);
       this.#offerMore(hits.length, PAGE, total);
@@ -90,10 +104,16 @@ export class Results {
     }
   }
 
+  /** Hits as cards, in the order that is asked for; the server sorts a listing. @param {any[]} hits */
+  #sorted(hits) {
+    const order = isListing(this.state) ? undefined : ORDERS[this.state.sort];
+    return stacked(order ? [...hits].sort(order) : hits, asksSide(this.state.q), this.seen);
+  }
+
   #offerMore(got, asked, total) {
     this.offset += got;
     byId("more").hidden = got < asked || this.offset >= total;
-    byId("others").hidden = byId("chips").hidden || total <= PAGE;
+    byId("others").hidden = byId("chips").hidden || Boolean(this.state.sort) || total <= PAGE;
   }
 
   /** @param {boolean} whether */
@@ -114,7 +134,7 @@ export class Results {
   #report(state, hits, message) {
     byId("notice").hidden = true;
     byId("status").textContent = message;
-    const filtered = Object.values(filters(state)).some(Boolean);
+    const filtered = Object.values(asked(state)).some(Boolean);
     if (!hits.length && filtered) {
       const clear = el("button", { type: "button", onclick: () => byId("filters").reset() }, "Clear the filters");
       this.#notice("Nothing passes the filters", "No clip meets all of them.", clear);
@@ -138,7 +158,7 @@ export class Results {
  * @returns {Promise<{hits: import("./api.js").Hit[], message: string, total: number}>} total: Infinity where not known
  */
 async function answer(state, offset, count, signal) {
-  const given = filters(state);
+  const given = asked(state);
   if (state.ids) return selected(state, offset, count, signal);
   if (state.like) {
     const { hits, query } = await api.similar(state.like, state.from, state.to, given, count, offset, signal);
@@ -154,9 +174,9 @@ async function answer(state, offset, count, signal) {
     const { hits } = await api.search(state.q, given, count, offset, signal);
     return { hits, message: counted(hits, "clip", state.q, count), total: Infinity };
   }
-  const { motions, total } = await api.motions(given, count, offset, seed, signal);
+  const { motions, total } = await api.motions(filters(state), count, offset, state.sort ? { sort: state.sort } : { seed }, signal);
   const seconds = motions.reduce((sum, { duration }) => sum + duration, 0);
-  const message = total > count ? `A choice of ${plural(total, "clip")}` : total ? `${plural(total, "clip")}, ${clock(seconds)}` : "";
+  const message = total > count ? `${state.sort ? "The first" : "A choice"} of ${plural(total, "clip")}` : total ? `${plural(total, "clip")}, ${clock(seconds)}` : "";
   return { hits: motions.map(whole), message, total };
 }
 
@@ -182,6 +202,9 @@ function counted(hits, thing, q, asked) {
   if (sure) return `${things(sure)} for “${q}”, followed by weak matches`;
   return `The nearest ${things(hits.length)} to “${q}”`;
 }
+
+/** Whether clips are listed, without a question. @param {import("./state.js").State} state */
+const isListing = (state) => !state.q && !state.like && !state.ids;
 
 /** A whole clip as a hit without a score. @param {import("./api.js").MotionInfo} info */
 const whole = (info) => /** @type {any} */ ({ clip: info.clip, path: info.path, start: info.start, end: info.start + info.duration, duration: info.duration, strength: "", caption: info.captions?.[0]?.text ?? "", starred: info.starred, tags: info.tags });

@@ -19,6 +19,8 @@ const MOST = 1_000_000; // clips of a selection
  * @property {string} starred      "true"
  * @property {string} tag          the name of a tag
  * @property {string} collection
+ * @property {string} strength     the least strength of a hit
+ * @property {string} sort         the order: "name", "longest", "shortest", "newest"; "" the best or most varied first
  * @property {string} like         a clip: show similar clips…
  * @property {string} from         …or clips similar to this span of it
  * @property {string} to
@@ -32,7 +34,7 @@ const MOST = 1_000_000; // clips of a selection
  * @property {string[]} ask        further sentences asked of the open clip
  */
 
-const NAMES = /** @type {const} */ (["q", "moments", "min", "max", "path", "format", "rig", "captioned", "starred", "tag", "collection", "like", "from", "to", "ids", "view", "clip", "a", "b", "with", "c"]);
+const NAMES = /** @type {const} */ (["q", "moments", "min", "max", "path", "format", "rig", "captioned", "starred", "tag", "collection", "strength", "sort", "like", "from", "to", "ids", "view", "clip", "a", "b", "with", "c"]);
 
 /** @returns {State} */
 export function read(hash = location.hash) {
@@ -116,3 +118,6 @@ document.addEventListener("click", (event) => {
 export const filters = ({ min, max, path, format, rig, captioned, starred, tag, collection }) => ({
   min_duration: min, max_duration: max, path, format, rig, captioned, starred, tag, collection,
 }); // prettier-ignore
+
+/** The filters of a question. @param {State} state */
+export const asked = (state) => ({ ...filters(state), min_strength: state.strength });

@@ -30,6 +30,9 @@ StrengthParam = Annotated[
     Literal["weak", "plausible", "strong"] | None,
     Query(description="The least strength of a hit; if not given, plausible where the first hit is, else weak."),
 ]
+SortParam = Annotated[
+    Literal["name", "longest", "shortest", "newest"] | None, Query(description="The order of the clips.")
+]
 _SECONDS = Query(ge=0, le=1e6, allow_inf_nan=False)
 Seconds = Annotated[float | None, _SECONDS]
 FileName = Annotated[str, Query(min_length=1, max_length=255, description="The file's name; its ending is used.")]

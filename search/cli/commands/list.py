@@ -16,10 +16,15 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("place", metavar="[FOLDER]", required=False, type=click.Path(exists=True, file_okay=False))
+@click.option(
+    "--sort",
+    type=click.Choice(["name", "longest", "shortest", "newest"]),
+    help="The order; that of their numbers if not given.",
+)
 @options.filters
 @options.library
 @options.as_json
-def list(place: str | None, folder: str | None, as_json: bool, **filters: Any) -> None:
+def list(place: str | None, sort: str | None, folder: str | None, as_json: bool, **filters: Any) -> None:
     """List the clips of the library of FOLDER in order of their numbers.
 
     Without FOLDER, lists those of the nearest library here or in a parent folder.
@@ -30,13 +35,13 @@ def list(place: str | None, folder: str | None, as_json: bool, **filters: Any) -
     \b
     Examples:
       motionseek list my_mocap/
-      motionseek list --uncaptioned --min-duration 60
+      motionseek list --uncaptioned --min-duration 60 --sort longest
       motionseek list --json | jq -r '.clips[].absolute_path'
     """
     from search.cli import terminal
 
     with options.open_library(options.one_of(place, folder)) as library:
-        clips = _clips(library, filters)
+        clips = _clips(library, sort, filters)
         if as_json:
             found = [
                 clip.document(captions) | library.marks(clip.id).document() | {"absolute_path": _absolute_path(clip)}
@@ -55,8 +60,8 @@ def list(place: str | None, folder: str | None, as_json: bool, **filters: Any) -
             terminal.note(terminal.no_clips(library, filters))
 
 
-def _clips(library: Library, filters: dict[str, Any]) -> Iterator[tuple[Clip, Sequence[Caption]]]:
-    return ((clip, library.captions(clip.id)) for clip in library.clips(**filters))
+def _clips(library: Library, sort: str | None, filters: dict[str, Any]) -> Iterator[tuple[Clip, Sequence[Caption]]]:
+    return ((clip, library.captions(clip.id)) for clip in library.clips(sort, **filters))
 
 
 def _absolute_path(clip: Clip) -> str | None:

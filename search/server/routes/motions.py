@@ -23,7 +23,7 @@ from search.ranking.variety import varied
 from search.server import response_models
 from search.server.app_state import AppState
 from search.server.exception_handlers import ANY, NO_CLIP, ok
-from search.server.parameters import ClipInPath, ClipParam, ClipsParam, CountParam, FilterParams, SpanParams
+from search.server.parameters import ClipInPath, ClipParam, ClipsParam, CountParam, FilterParams, SortParam, SpanParams
 from search.server.responses import json_response
 from search.server.uploads.upload_store import Upload
 from search.source import MotionSource
@@ -60,15 +60,18 @@ def routes(state: AppState) -> APIRouter:
         seed: Annotated[
             int | None, Query(ge=0, le=2**31, description="A varied choice of this seed comes first.")
         ] = None,
+        sort: SortParam = None,
     ) -> Response:
-        """The clips in order of their numbers, varied by `seed`, or those named by `clip` in that order, one page."""
+        """One page of the clips: by number, sorted, varied by `seed`, or named by `clip` in that order."""
         with library.reading():
             if clip:
                 refuse_filters(given)
                 return chosen(clip, slice(offset, offset + limit))
             allowed = library.allowed(**given)
             ids = library.ids() if allowed is None else allowed
-            if seed is not None:
+            if sort is not None:
+                ids = library.sorted_among(sort, allowed)
+            elif seed is not None:
                 rows = library.snapshot.clips.rows
                 passing = np.flatnonzero(np.isin(rows.owners, ids))
                 ids = rows.owners[passing[varied(rows.vectors[passing], seed)]]

@@ -39,6 +39,20 @@ def test_filters_choose_clips(indexed: Path, run: Run) -> None:
     assert "no clip passes format='exe'; there are npy, bvh" in none.err
 
 
+def test_clips_are_sorted(indexed: Path, run: Run) -> None:
+    def listed(*options: object) -> list[dict[str, object]]:
+        found: list[dict[str, object]] = run("list", *options, "--library", indexed, "--json").document["clips"]
+        return found
+
+    orders = {"longest": ("duration", True), "shortest": ("duration", False), "newest": ("added", True)}
+    for sort, (key, reverse) in ({"name": ("name", False)} | orders).items():
+        values = [clip[key] for clip in listed("--sort", sort)]
+        assert values == sorted(values, key=str.casefold if key == "name" else None, reverse=reverse), sort
+    long = [clip["duration"] for clip in listed("--sort", "longest", "--min-duration", 7)]
+    assert long == sorted(long, reverse=True)
+    assert 0 < len(long) < 5
+
+
 def test_files_of_one_name_are_told_apart(takes: Path, run: Run, tmp_path: Path) -> None:
     folders = [tmp_path / name / "shots" for name in ("a", "b")]
     for folder in folders:

@@ -32,6 +32,36 @@ def test_results_appear_after_typing_and_the_url_names_them(opened):
     assert page.locator("#q").input_value() == ""
 
 
+def test_clips_and_hits_are_sorted(opened):
+    def durations():
+        return [float(text.split(" s")[0]) for text in page.locator(".card .facts").all_inner_texts()]
+
+    page = opened()
+    for address in ("", "q=a person walks&strength=weak"):
+        page.evaluate("to => location.hash = to", address)
+        cards(page, 5)
+        for order, reverse in (("longest", True), ("shortest", False)):
+            page.locator("#sort").select_option(order)
+            until(page, f"location.hash.includes('sort={order}')")
+            until(page, "document.getElementById('results').ariaBusy === 'false'")
+            cards(page, 5)
+            assert durations() == sorted(durations(), reverse=reverse)
+
+
+def test_the_least_strength_is_asked_for(opened):
+    page = opened("q=a person walks")
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url) if "/api/search" in request.url else None)
+    page.locator("#filters-button").click()
+    page.locator("[name=strength]").select_option("strong")
+    until(page, "location.hash.includes('strength=strong')")
+    page.wait_for_selector("#filter-count:has-text('(1)')")
+    until(page, "document.getElementById('results').ariaBusy === 'false'")
+    assert any("min_strength=strong" in url for url in asked)
+    page.locator("#filters [type=reset]").click()
+    until(page, "!location.hash.includes('strength')")
+
+
 def test_a_slow_response_to_an_older_query_is_dropped(opened):
     page = opened()
     page.route(re.compile("q=old"), lambda route: late.append(route))

@@ -383,3 +383,12 @@ def test_a_varied_choice_holds_every_clip_once(ask):
     assert all(sorted(order) == [1, 2, 3, 4, 5] for order in orders)
     assert len({tuple(order) for order in orders}) > 1
     assert len(ask("/api/motions", seed=3, min_duration=7)["motions"]) == 2
+
+
+def test_clips_are_sorted_page_by_page(ask):
+    everything = [motion["duration"] for motion in ask("/api/motions", sort="longest")["motions"]]
+    assert everything == sorted(everything, reverse=True)
+    assert [
+        motion["duration"] for motion in ask("/api/motions", sort="longest", offset=1, limit=2)["motions"]
+    ] == everything[1:3]
+    assert ask("/api/motions", sort="longest", min_duration=7)["total"] == 2
