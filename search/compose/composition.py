@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.errors import QueryError
-from encoders.motion import FPS, Motion
+from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.store.stored_library import StoredLibrary
 from search.compose.assembling import assembled
-from search.compose.candidates import Candidate, candidates, ends
-from search.compose.choosing import SPREAD, USED, Edge, best_path, join_costs
+from search.compose.candidates import Candidate, candidates
+from search.compose.choosing import SPREAD, USED, Joins, refined
+from search.compose.stitched import StitchedScores
 from search.compose.timeline import TRANSITION, Interval, Timeline
 from search.query.encoding import encode_queries
 
-#: Candidates of a sentence.
-_CANDIDATES = 24
+#: Windows near to a sentence around which cuts are made, and how many of the cuts are candidates.
+_WINDOWS, _CANDIDATES = 24, 8
 
 
 @dataclass(frozen=True)
@@ -82,62 +82,37 @@ def compose(
     QueryError
         If the library holds nothing for a sentence.
     """
-    texts = [interval.text for interval in timeline.intervals]
-    queries = encode_queries(library.bundle, texts)
+    intervals = timeline.intervals
+    queries = encode_queries(library.bundle, [interval.text for interval in intervals])
     offered = [
-        candidates(library, interval, query, _CANDIDATES, allowed)
-        for interval, query in zip(timeline.intervals, queries, strict=True)
+        candidates(library, interval, query, _WINDOWS, _CANDIDATES, allowed)
+        for interval, query in zip(intervals, queries, strict=True)
     ]
-    for interval, options in zip(timeline.intervals, offered, strict=True):
+    for interval, options in zip(intervals, offered, strict=True):
         if not options:
             raise QueryError(f"{interval}: there is no clip that could show it")
-    order = list(dict.fromkeys(cut.base for cut in timeline.cuts()))
-    edges = {i: [_edges(candidate) for candidate in offered[i]] for i in order}
-    begin = None if after is None else _last_edge(after)
+    joins = Joins.of(timeline, offered, after)
+    stitched = StitchedScores(timeline, offered, queries, library.bundle, transition)
     rng, used, found = np.random.default_rng(seed), set[tuple[object, ...]](), []
     for number in range(samples):
-        fits = [_fits(options, used, rng if number else None) for options in offered]
-        choice = _choose(order, fits, edges, begin)
-        picked = [options[choice[i]] for i, options in enumerate(offered)]
+        costs = [_costs(options, used, rng if number else None) for options in offered]
+        first = joins.best([np.array([one.score for one in o]) - c for o, c in zip(offered, costs, strict=True)])
+        choice = refined(first, costs, joins, stitched)
+        picked = [options[i] for options, i in zip(offered, choice, strict=True)]
         used |= {_key(candidate) for candidate in picked}
         found.append(_composition(timeline, picked, library.bundle, after, transition))
     return found
 
 
-def _fits(
+def _costs(
     options: Sequence[Candidate], used: set[tuple[object, ...]], rng: np.random.Generator | None
 ) -> NDArray[np.float64]:
-    fits = np.array([candidate.fit - USED * (_key(candidate) in used) for candidate in options])
-    return fits if rng is None else fits + SPREAD * rng.gumbel(size=len(fits))
+    costs = np.array([candidate.cost + USED * (_key(candidate) in used) for candidate in options])
+    return costs if rng is None else costs - SPREAD * rng.gumbel(size=len(costs))
 
 
 def _key(candidate: Candidate) -> tuple[object, ...]:
     return candidate.source.root, candidate.source.path, round(candidate.start), round(candidate.end)
-
-
-def _edges(candidate: Candidate) -> tuple[Edge, Edge]:
-    first, last = ends(candidate, FPS)
-    return Edge.of(first, 0, 3 / FPS), Edge.of(last, 1, 3 / FPS)
-
-
-def _last_edge(after: Motion) -> Edge:
-    joints = after.resample(FPS).joints[-4:].astype(np.float64)
-    return Edge.of(joints[[0, -1]], 1, max(len(joints) - 1, 1) / FPS)
-
-
-def _choose(
-    order: Sequence[int],
-    fits: Sequence[NDArray[np.float64]],
-    edges: Mapping[int, Sequence[tuple[Edge, Edge]]],
-    begin: Edge | None,
-) -> list[int]:
-    """The candidate of each interval: those that lead chosen together, the others for themselves."""
-    steps = [fits[i].copy() for i in order]
-    if begin is not None:
-        steps[0] -= join_costs([begin], [edge for edge, _ in edges[order[0]]])[0]
-    joins = [join_costs([end for _, end in edges[a]], [edge for edge, _ in edges[b]]) for a, b in pairwise(order)]
-    leading = dict(zip(order, best_path(steps, joins), strict=True))
-    return [leading.get(i, int(fit.argmax())) for i, fit in enumerate(fits)]
 
 
 def _composition(

@@ -14,13 +14,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.geometry import length
 from encoders.skeleton import INDEX
-from search.compose.rotations import Rotated, concatenated
+from search.compose.rotations import Rotated, about_vertical, concatenated
 
 Array = NDArray[np.float64]
 
 #: Longest blend, as a multiple of the usual one; half of one, in usual ones, for each metre between two poses.
-_LONGEST, _SLOWNESS = 4, 5.0
+_LONGEST, _SLOWNESS = 4, 8.0
 _GROUND = np.array([1.0, 0.0, 1.0])
 _LEFT = [INDEX["left_hip"], INDEX["left_shoulder"]]
 _RIGHT = [INDEX["right_hip"], INDEX["right_shoulder"]]
@@ -57,27 +58,44 @@ def joined(pieces: Sequence[Piece], overlap: int) -> Rotated:
 
     A blend takes `overlap` frames; more where the two poses lie far apart, and fewer where a piece is short.
     """
-    longest = max(_LONGEST * overlap, 1)
+    longest = max(2 * longest_half(overlap), 1)
     done = pieces[0].sampled(0, pieces[0].frames + longest)
-    length = pieces[0].frames
+    frames = pieces[0].frames
     for before, piece in pairwise(pieces):
         most = min(longest, before.frames, piece.frames) // 2
-        later = aligned(piece.sampled(-most, piece.frames + longest), most, done, length)
-        apart = np.linalg.norm(later.joints_at(most) - done.joints_at(length), axis=-1).mean()
-        half = min(max(overlap // 2, round(_SLOWNESS * overlap * float(apart))), most)
+        later, apart = aligned(piece.sampled(-most, piece.frames + longest), most, done, frames)
+        half = min(half_blend(overlap, apart), most)
         later = later[most - half :]
         share = smooth((np.arange(2 * half) + 1) / (2 * half + 1))
-        blend = done[length - half : length + half].blended(later[: 2 * half], share)
-        done = concatenated([done[: length - half], blend, later[2 * half :]])
-        length += piece.frames
-    return done[:length]
+        blend = done[frames - half : frames + half].blended(later[: 2 * half], share)
+        done = concatenated([done[: frames - half], blend, later[2 * half :]])
+        frames += piece.frames
+    return done[:frames]
 
 
-def aligned(motion: Rotated, at: int, to: Rotated, frame: int) -> Rotated:
-    """A motion turned and moved over the ground so that its frame `at` stands and faces as a frame of another does."""
-    yaw = float(heading(to.joints_at(frame)) - heading(motion.joints_at(at)))
+def half_blend(overlap: int, apart: float) -> int:
+    """Frames on either side over which poses are blended whose joints are some metres apart."""
+    return min(max(overlap // 2, round(_SLOWNESS * overlap * apart)), longest_half(overlap))
+
+
+def longest_half(overlap: int) -> int:
+    """The most frames of `half_blend`."""
+    return _LONGEST * overlap // 2
+
+
+def aligned(motion: Rotated, at: int, to: Rotated, frame: int) -> tuple[Rotated, float]:
+    """A motion turned and moved over the ground so that its frame `at` stands and faces as a frame of another does.
+
+    Returns
+    -------
+    The motion, and the metres by which the joints of these frames are apart then, on average.
+    """
+    goal, own = concatenated([to[frame : frame + 1], motion[at : at + 1]]).joints()
+    yaw = float(heading(goal) - heading(own))
     turned = motion.moved(yaw, np.zeros(3))
-    return turned.moved(0.0, (to.root[frame] - turned.root[at]) * _GROUND)
+    shift = (to.root[frame] - turned.root[at]) * _GROUND
+    placed = about_vertical(own, yaw) + shift
+    return turned.moved(0.0, shift), float(length(placed - goal).mean())
 
 
 def heading(joints: Array) -> Array:

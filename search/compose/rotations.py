@@ -62,14 +62,11 @@ class Rotated:
             places[:, joint] = places[:, parent] + apply(world[:, parent], self.bones[:, joint])
         return places
 
-    def joints_at(self, frame: int) -> Array:
-        """Positions (22, 3) in one frame."""
-        joints: Array = self[frame : frame + 1].joints()[0]
-        return joints
-
     def at(self, frames: Array) -> Rotated:
         """The motion at places (N,), counted in frames; before its first and after its last it stands still."""
         places = np.clip(frames, 0, len(self) - 1)
+        if not (places % 1).any():
+            return self[places.astype(np.int64)]
         return Rotated(interpolate(self.root, places), slerp(self.turns, places), interpolate(self.bones, places))
 
     def moved(self, yaw: float, shift: Array) -> Rotated:
@@ -77,7 +74,7 @@ class Rotated:
         half = np.array([0.0, np.sin(yaw / 2), 0.0, np.cos(yaw / 2)])
         turns = self.turns.copy()
         turns[:, 0] = multiplied(np.broadcast_to(half, turns[:, 0].shape), turns[:, 0])
-        return Rotated(self.root @ to_matrices(half).T + shift, turns, self.bones)
+        return Rotated(about_vertical(self.root, yaw) + shift, turns, self.bones)
 
     def blended(self, other: Rotated, share: Array) -> Rotated:
         """A share (T,) of the way to another motion of as many frames."""
@@ -95,8 +92,15 @@ class Rotated:
         bones[:, joints] += share[:, None, None] * (other.bones[:, joints] - self.bones[:, joints])
         return Rotated(self.root, turns, bones)
 
-    def __getitem__(self, frames: slice) -> Rotated:
+    def __getitem__(self, frames: slice | NDArray[np.int64]) -> Rotated:
         return Rotated(self.root[frames], self.turns[frames], self.bones[frames])
+
+
+def about_vertical(points: Array, yaw: float) -> Array:
+    """Points (..., 3) turned about the vertical through the origin, from +Z towards +X."""
+    cosine, sine = np.cos(yaw), np.sin(yaw)
+    turned: Array = points @ np.array([[cosine, 0, -sine], [0, 1, 0], [sine, 0, cosine]])
+    return turned
 
 
 def concatenated(pieces: list[Rotated]) -> Rotated:

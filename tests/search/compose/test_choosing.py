@@ -6,7 +6,7 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from search.compose.choosing import Edge, best_path, join_costs
+from search.compose.choosing import Edge, Joins, best_path, join_costs, refined
 from tests.search.conftest import made_motion
 
 
@@ -36,3 +36,29 @@ def test_poses_that_agree_cost_nothing_wherever_they_are_and_face() -> None:
     assert costs[0] == 0
     assert costs[1] < 1e-9
     assert costs[2] > 0.01
+
+
+def test_a_choice_is_refined_by_what_comes_out_and_never_made_worse() -> None:
+    rng = np.random.default_rng(1)
+
+    class Table:
+        """Scores of two intervals that are seen during each other."""
+
+        seen = [[0, 1], [0, 1]]  # noqa: RUF012
+
+        def __init__(self) -> None:
+            self.scores = rng.normal(size=(2, 3, 3))
+
+        def of(self, interval: int, choices: list[list[int]]) -> np.ndarray:
+            return np.array([self.scores[interval, a, b] for a, b in choices])
+
+    costs = [np.zeros(3), np.zeros(3)]
+    for _ in range(20):
+        table, joins = Table(), Joins((0, 1), rng.normal(size=3), (rng.normal(size=(3, 3)),))
+
+        def value(a: int, b: int, table: Table = table, joins: Joins = joins) -> float:
+            return table.scores[:, a, b].sum() - joins.begin[a] - joins.costs[0][a, b]
+
+        a, b = refined([0, 0], costs, joins, table)  # type: ignore[arg-type]
+        assert value(a, b) >= value(0, 0)
+        assert value(a, b) == max(value(a, other) for other in range(3))

@@ -8,8 +8,8 @@ import pytest
 from encoders.skeleton import INDEX
 from search.compose.body_parts import INDICES
 from search.compose.feet import planted, standing
-from search.compose.joins import Piece, aligned, heading, joined
-from search.compose.rotations import Rotated
+from search.compose.joins import Piece, aligned, heading, joined, longest_half
+from search.compose.rotations import Rotated, multiplied
 from search.compose.stitching import overlaid
 from tests.search.conftest import made_motion
 
@@ -43,10 +43,12 @@ def test_a_piece_is_placed_where_the_one_before_leads(clip: Rotated) -> None:
 
 
 def test_alignment_never_changes_heights(clip: Rotated, other: Rotated) -> None:
-    moved = aligned(other, 7, clip, 30)
+    moved, apart = aligned(other, 7, clip, 30)
+    own, goal = moved[7:8].joints()[0], clip[30:31].joints()[0]
+    assert np.isclose(apart, np.linalg.norm(own - goal, axis=-1).mean())
     assert np.allclose(moved.root[:, 1], other.root[:, 1])
     assert np.allclose(moved.root[7, [0, 2]], clip.root[30, [0, 2]])
-    assert np.isclose(heading(moved.joints_at(7)), heading(clip.joints_at(30)))
+    assert np.isclose(heading(own), heading(goal))
 
 
 def test_a_join_of_two_clips_moves_no_faster_than_they_do(clip: Rotated, other: Rotated) -> None:
@@ -63,17 +65,34 @@ def test_a_join_of_two_clips_moves_no_faster_than_they_do(clip: Rotated, other: 
 
 
 def test_parts_are_taken_over_and_given_back(clip: Rotated, other: Rotated) -> None:
-    result = overlaid(clip, other[:60], ["right arm"], 40, 10)
+    margin = longest_half(10)
+    result = overlaid(clip, other[: 60 + 2 * margin], ["right arm"], (40, 100), margin, 10)
     arm = INDICES["right arm"]
     rest = [joint for joint in range(22) if joint not in arm]
     assert np.array_equal(result.turns[:, rest], clip.turns[:, rest])
     assert np.array_equal(result.root, clip.root)
-    same = np.abs((result.turns[60:80, arm] * other.turns[20:40, arm]).sum(-1))
+    inside = slice(40 + margin, 100 - margin)
+    same = np.abs((result.turns[inside, arm] * other.turns[2 * margin : 60, arm]).sum(-1))
     assert np.allclose(same, 1)
-    assert np.array_equal(result.turns[:40], clip.turns[:40])
-    assert np.array_equal(result.turns[100:], clip.turns[100:])
+    for outside in (slice(0, 40 - margin), slice(100 + margin, None)):
+        assert np.array_equal(result.turns[outside], clip.turns[outside])
     steps = np.linalg.norm(np.diff(result.joints()[:, arm], axis=0), axis=-1)
-    assert steps[39:50].max() < 0.3
+    assert steps.max() < 0.3
+
+
+def test_a_part_is_taken_over_more_slowly_where_poses_lie_far_apart(clip: Rotated) -> None:
+    margin, begins = longest_half(10), []
+    waist = INDEX["spine1"]
+    for angle in (0.1, 1.5):
+        turn = np.broadcast_to([0, 0, np.sin(angle / 2), np.cos(angle / 2)], (len(clip), 4))
+        turns = clip.turns.copy()
+        turns[:, waist] = multiplied(turn, clip.turns[:, waist])
+        layer = Rotated(clip.root, turns, clip.bones)[20 : 120 + margin]
+        result = overlaid(clip, layer, ["spine"], (20 + margin, 120), margin, 10)
+        changed = ~np.isclose(result.turns, clip.turns).all(axis=(1, 2))
+        begins.append(int(changed.argmax()))
+    assert begins[0] == 20 + margin - 5
+    assert begins[1] < begins[0] - 1
 
 
 def test_a_resting_foot_that_slides_is_held() -> None:
