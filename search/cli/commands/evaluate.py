@@ -13,7 +13,7 @@ from search.cli import options
 if TYPE_CHECKING:
     from encoders.protocol import Encoder
 
-_PROTOCOLS = ("retrieval", "labels", "captions", "corpus", "out-of-domain", "moments")
+_PROTOCOLS = ("retrieval", "labels", "captions", "corpus", "out-of-domain", "moments", "compose")
 _FORMATS = ("table", "json", "csv", "latex")
 _FILE = click.Path(path_type=Path)
 _FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
@@ -33,8 +33,11 @@ _SYNTHETIC = "synthetic takes"
 @click.option("--split", help="Split of the data set (test; for moments and captioned takes val).")
 @click.option("--labelled", type=_FILE, help="Folder with labels.tsv and queries.tsv, for moments in joined clips.")
 @click.option("--segments", type=_FILE, help='Timed labels of takes: JSON, {trial: [{"start", "end", "label"}]}.')
+@click.option("--timelines", type=_FILE, help="Time lines to compose: lines 'sentence # start # end # body parts'.")
 @click.option(
-    "--count", type=options.Count(1), help="Synthetic clips (4000; 300 for out-of-domain), or synthetic takes (300)."
+    "--count",
+    type=options.Count(1),
+    help="Synthetic clips (4000; 300 for out-of-domain), synthetic takes (300), or the first time lines (all).",
 )
 @options.model
 @click.option("--run", type=_FOLDER, help="A run directory of TMR, in place of --model; needs the extra train.")
@@ -54,6 +57,7 @@ def evaluate(
     split: str | None,
     labelled: Path | None,
     segments: Path | None,
+    timelines: Path | None,
     count: int | None,
     model: str | None,
     run: Path | None,
@@ -79,6 +83,7 @@ def evaluate(
       out-of-domain  how often sentences that no motion fits are called strong
       moments        moment retrieval in long takes, or in the motions of a captioned data set, beside the TMR
                      paper's sliding windows, as Markdown
+      compose        motions composed for --timelines out of FOLDER, which is indexed, beside cuts put end to end
 
     \b
     Examples:
@@ -88,6 +93,7 @@ def evaluate(
       motionseek evaluate data/mocap --protocol captions --captions captions.jsonl
       motionseek evaluate --protocol corpus --count 1000
       motionseek evaluate data/mocap --protocol moments --captions captions.jsonl --count 50
+      motionseek evaluate my_mocap/ --protocol compose --timelines timelines.txt
     """
     from encoders.bundle.known_models import load_model
     from indexer.datasets.captioned_dataset import is_dataset
@@ -97,6 +103,9 @@ def evaluate(
     protocol = protocol or ("retrieval" if is_set or run else "labels")
     if run is not None and (protocol != "retrieval" or model is not None):
         raise click.UsageError("--run is for --protocol retrieval, in place of --model")
+    if protocol == "compose":
+        _composed(_required(folder, protocol), timelines, count, model, as_json)
+        return
     bundle = load_model(model)
     if protocol == "retrieval" or (protocol == "moments" and is_set):
         default = "val" if protocol == "moments" else "test"
@@ -211,6 +220,33 @@ def _moments(
         terminal.document(figures)
 
 
+def _composed(folder: Path, timelines: Path | None, count: int | None, model: str | None, as_json: bool) -> None:
+    from encoders.bundle.known_models import load_model
+    from search.cli import terminal
+    from search.compose.timeline import read_timelines
+    from search.judging.composed_motion import evaluate_composed
+    from search.library import Library
+
+    if timelines is None:
+        raise QueryError("--protocol compose needs --timelines FILE")
+    lines = read_timelines(timelines)[:count]
+
+    def said(done: int) -> None:
+        if done % 50 == 0:
+            terminal.note(f"{done} of {len(lines)} time lines done")
+
+    with Library.open(folder, bundle=None if model is None else load_model(model)) as library:
+        figures = evaluate_composed(library, lines, said)
+    if as_json:
+        terminal.document(figures.as_dict())
+        return
+    _show(figures.rows, False)
+    terminal.note(
+        f"{figures.timelines} time lines, {figures.clips} clips, {figures.seconds:.2f} s each; joint speed, 99th "
+        f"percentile: {figures.speed_at_joins:.2f} m/s at joins, {figures.speed_in_clips:.2f} in the clips"
+    )
+
+
 def _out_of_domain(count: int, encoder: Encoder) -> dict[str, float]:
     from encoders.corpus.composition.seeds import TEST
     from encoders.corpus.composition.synthetic_pairs import synthetic_clips
@@ -228,5 +264,11 @@ def _show(figures: dict[str, dict[str, float]], as_json: bool) -> None:
         terminal.document(figures)
         return
     columns = list(dict.fromkeys(key for row in figures.values() for key in row))
-    rows = [(name, *(f"{row[key]:.1f}" if key in row else "" for key in columns)) for name, row in figures.items()]
+    rows = [
+        (name, *(_rounded(key, row[key]) if key in row else "" for key in columns)) for name, row in figures.items()
+    ]
     terminal.table(("", *columns), rows, right=columns)
+
+
+def _rounded(name: str, figure: float) -> str:
+    return f"{figure:.3f}" if name == "TMR-score" else f"{figure:.2f}" if name.endswith("cm") else f"{figure:.1f}"
