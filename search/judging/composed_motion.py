@@ -48,7 +48,7 @@ class ComposedFigures:
         standing foot slides. "R@1 aside" does not count sentences that happen at the same time; the last three are
         the recall of sentences with nothing beside them, with another laid over them, and laid over another.
     speed_at_joins, speed_in_clips : float
-        99th percentiles of joint speeds, in metres a second.
+        99th percentiles of joint speeds, in metres a second; 0 where nothing is joined.
     seconds : float
         A time line.
     """
@@ -114,8 +114,9 @@ class _Judge:
         """Figures of motions for the time lines."""
         pairs = list(zip(motions, self._lines, strict=True))
         found = self._recall([motion.crop(one.start, one.end) for motion, line in pairs for one in line.intervals])
-        distances = [transition_distances(motion.joints, _boundaries(motion, line)) for motion, line in pairs]
-        return found | {"transition cm": float(np.concatenate(distances).mean()), "sliding %": _sliding(motions)}
+        distances = np.concatenate([transition_distances(m.joints, _boundaries(m, line)) for m, line in pairs])
+        joined = {"transition cm": float(distances.mean())} if len(distances) else {}
+        return found | joined | {"sliding %": _sliding(motions)}
 
     def figures_of_clips(self, crops: Sequence[Motion]) -> dict[str, float]:
         """Figures of one motion for each interval."""
@@ -192,7 +193,7 @@ def _best_clips(library: Library, lines: Sequence[Timeline]) -> list[Motion]:
 
 def _speeds(made: Sequence[Composition]) -> tuple[float, float]:
     """99th percentiles of joint speeds in metres a second: near joins, and in the cuts that were used."""
-    near, inside = [], []
+    near, inside = [np.zeros(1)], []
     for one in made:
         speed = np.linalg.norm(np.diff(one.motion.joints, axis=0), axis=-1) * FPS
         near += [speed[max(at - _AROUND, 0) : at + _AROUND].ravel() for at in _boundaries(one.motion, one.timeline)]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
 import motionseek
 from motionseek import Interval, Timeline
 from search.judging.composed_motion import evaluate_composed
@@ -39,4 +37,4 @@ def test_the_command_needs_time_lines_and_an_indexed_folder(run: Run, indexed: P
     ran = run("evaluate", indexed, "--protocol", "compose", "--timelines", lines, "--count", 1, "--json")
     assert ran.code == 0, ran.err
     assert ran.document["timelines"] == 1
-    assert ran.document["rows"]["composed"]["R@1"] == pytest.approx(100)
+    assert "transition cm" not in ran.document["rows"]["composed"], "one sentence has no transition"
