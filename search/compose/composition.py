@@ -16,7 +16,7 @@ from search.compose.assembling import assembled
 from search.compose.candidates import Candidate, candidates
 from search.compose.choosing import SPREAD, USED, Joins, refined
 from search.compose.stitched import StitchedScores
-from search.compose.timeline import TRANSITION, Interval, Timeline
+from search.compose.timeline import TRANSITION, Interval, Pin, Timeline
 from search.query.encoding import encode_queries
 
 #: Windows near to a sentence around which cuts are made, and how many of the cuts are candidates.
@@ -44,12 +44,15 @@ class Composition:
         One for each interval, in their order.
     joins : tuple of float
         Seconds at which one piece goes over into the next.
+    offered : tuple of tuples of Candidate
+        What could show each interval, the best alone first.
     """
 
     timeline: Timeline
     motion: Motion
     chosen: tuple[Chosen, ...]
     joins: tuple[float, ...]
+    offered: tuple[tuple[Candidate, ...], ...]
 
 
 def compose(
@@ -91,17 +94,29 @@ def compose(
     for interval, options in zip(intervals, offered, strict=True):
         if not options:
             raise QueryError(f"{interval}: there is no clip that could show it")
-    joins = Joins.of(timeline, offered, after)
-    stitched = StitchedScores(timeline, offered, queries, library.bundle, transition)
+    chosen_from = [
+        options if interval.pin is None else [_pinned(library, interval, interval.pin, query)]
+        for interval, options, query in zip(intervals, offered, queries, strict=True)
+    ]
+    joins = Joins.of(timeline, chosen_from, after)
+    stitched = StitchedScores(timeline, chosen_from, queries, library.bundle, transition)
     rng, used, found = np.random.default_rng(seed), set[tuple[object, ...]](), []
     for number in range(samples):
-        costs = [_costs(options, used, rng if number else None) for options in offered]
-        first = joins.best([np.array([one.score for one in o]) - c for o, c in zip(offered, costs, strict=True)])
+        costs = [_costs(options, used, rng if number else None) for options in chosen_from]
+        first = joins.best([np.array([one.score for one in o]) - c for o, c in zip(chosen_from, costs, strict=True)])
         choice = refined(first, costs, joins, stitched)
-        picked = [options[i] for options, i in zip(offered, choice, strict=True)]
+        picked = [options[i] for options, i in zip(chosen_from, choice, strict=True)]
         used |= {_key(candidate) for candidate in picked}
-        found.append(_composition(timeline, picked, library.bundle, after, transition))
+        found.append(_composition(timeline, picked, offered, library.bundle, after, transition))
     return found
+
+
+def _pinned(library: StoredLibrary, interval: Interval, pin: Pin, query: NDArray[np.float32]) -> Candidate:
+    """The cut of the clip that an interval is pinned to which lies nearest."""
+    its = candidates(library, interval, query, _WINDOWS, 2 * _WINDOWS, np.array([pin.clip_id]))
+    if not its:
+        raise QueryError(f"{interval}: the library has no clip #{pin.clip_id}; choose another")
+    return min(its, key=lambda one: abs(one.source.start + (one.start + one.end) / 2 - pin.at))
 
 
 def _costs(
@@ -116,7 +131,12 @@ def _key(candidate: Candidate) -> tuple[object, ...]:
 
 
 def _composition(
-    timeline: Timeline, picked: Sequence[Candidate], encoder: Encoder, before: Motion | None, transition: float
+    timeline: Timeline,
+    picked: Sequence[Candidate],
+    offered: Sequence[Sequence[Candidate]],
+    encoder: Encoder,
+    before: Motion | None,
+    transition: float,
 ) -> Composition:
     """The composition of what was picked, each interval scored as it came out."""
     made = assembled(timeline, picked, before, transition)
@@ -127,4 +147,4 @@ def _composition(
         Chosen(one, candidate, float(score))
         for one, candidate, score in zip(timeline.intervals, picked, scores, strict=True)
     ]
-    return Composition(timeline, made.motion, tuple(chosen), made.joins)
+    return Composition(timeline, made.motion, tuple(chosen), made.joins, tuple(map(tuple, offered)))

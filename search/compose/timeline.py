@@ -24,13 +24,25 @@ _LARGEST = 8 << 20
 
 
 @dataclass(frozen=True)
+class Pin:
+    """The clip that is to show a sentence: its number, and the middle of the span, in seconds of its file."""
+
+    clip_id: int
+    at: float
+
+
+@dataclass(frozen=True)
 class Interval:
-    """A sentence, its seconds, and the body parts that show it; no parts: they are told by its words."""
+    """A sentence, its seconds, and the body parts that show it; no parts: they are told by its words.
+
+    Where it is pinned to a clip, no other is chosen.
+    """
 
     text: str
     start: float
     end: float
     parts: frozenset[str] = frozenset()
+    pin: Pin | None = None
 
     @property
     def duration(self) -> float:

@@ -13,6 +13,10 @@ import { Motion } from "./motion.js";
  * @typedef {{text: string, start: number | null, end: number | null}} Caption
  * @typedef {{clip: number | string, root: string | null, path: string, name: string, duration: number, fps: number, frames: number,
  *   format: string, rig: string, added: string, start: number, source_fps: number | null, source_frames: number | null, captions?: Caption[], starred: boolean, tags: string[]}} MotionInfo
+ * @typedef {{clip: number, path: string, source_start: number, source_end: number, score: number}} Option
+ * @typedef {{text: string, start: number, end: number, parts: string[], path: string, clip: number, source_start: number, source_end: number,
+ *   tmr_score: number, options: Option[]}} ComposedInterval
+ * @typedef {{duration: number, intervals: ComposedInterval[], joins: number[], credits: string | null, motion: Motion}} Composition
  * @typedef {{generation: number, clips: number[], x: number[], y: number[], labels: string[], label: number[]}} MapData
  */
 
@@ -120,6 +124,23 @@ export const upload = async (name, [motion, ...others]) => {
   const parameters = { name: [name, ...others.map((file) => file.name)], size: files.map((file) => file.size) };
   return (await requestJson(address("uploads", parameters), { method: "POST", body: new Blob(files) })).motions;
 };
+
+/**
+ * The motion of sentences, what each is shown by, and by what else it could be.
+ * @param {import("./line.js").Sentence[]} sentences @param {AbortSignal} [signal] @returns {Promise<Composition>}
+ */
+export const compose = async (sentences, filters, signal) => {
+  const { joints, ...made } = await requestJson(address("compose", filters), { ...posted(sentences), signal });
+  return { ...made, motion: new Motion(Uint8Array.from(atob(joints), (one) => one.charCodeAt(0)).buffer) };
+};
+
+/** The same as a file with its report, in a ZIP archive. @param {import("./line.js").Sentence[]} sentences @returns {Promise<Blob>} */
+export const composeFile = async (sentences, filters, to) => (await request(address("compose/file", { to, ...filters }), posted(sentences))).blob();
+
+const posted = (/** @type {import("./line.js").Sentence[]} */ sentences) => ({
+  method: "POST", headers: { "Content-Type": "application/json" },
+  body: JSON.stringify({ sentences: sentences.map(({ text, start, end, parts, clip, at }) => ({ text, start, end, parts, clip, at: at ?? 0 })) }),
+}); // prettier-ignore
 
 /** The URL of a cut as a file. */
 export const exportAddress = (clip, start, end, format) => address("export", { clip, start, end, format });

@@ -3,6 +3,7 @@
  */
 
 import * as api from "./api.js";
+import { Composer } from "./composer.js";
 import { onFiles } from "./drop.js";
 import { byId, clock, el } from "./dom.js";
 import { listenToFacets, showFacets } from "./facets.js";
@@ -28,6 +29,8 @@ const grid = new Grid(stage, byId("grid"), isPlaying);
 const results = new Results(grid);
 const viewer = new Viewer(stage, isPlaying, () => grid.hits);
 const plane = new Plane(stage);
+const composer = new Composer(stage, isPlaying);
+const VIEWS = ["viewer", "map", "composer", "results"];
 
 function makeStage() {
   try {
@@ -45,19 +48,20 @@ const remember = () => places.set(here, { y: scrollY, card: grid.last, count: re
 
 /** @param {import("./state.js").State} state @param {boolean} back whether the browser went back or forward */
 async function show(state, back = false) {
-  const where = state.clip ? "viewer" : state.view === "map" ? "map" : "results";
-  const from = ["viewer", "map", "results"].find((id) => !byId(id).hidden);
+  const where = state.clip ? "viewer" : state.view === "map" ? "map" : state.view === "compose" ? "composer" : "results";
+  const from = VIEWS.find((id) => !byId(id).hidden);
   if (from === "results") remember();
   const isNew = entry() !== here;
   const place = back ? places.get(entry()) : undefined;
   here = entry();
-  for (const id of ["viewer", "map", "results"]) byId(id).hidden = id !== where;
-  document.body.classList.toggle("viewing", where === "viewer");
+  for (const id of VIEWS) byId(id).hidden = id !== where;
+  document.body.classList.toggle("viewing", where === "viewer" || where === "composer");
   showQuestion(state);
   recent.remember(state.q);
   byId("to-grid").href = link({ ...CLOSED, view: "" });
   byId("to-map").href = link({ ...CLOSED, view: "map" });
-  for (const [id, current] of [["to-grid", where === "results"], ["to-map", where === "map"]]) byId(id).toggleAttribute("aria-current", current);
+  byId("to-compose").href = link({ ...CLOSED, view: "compose" });
+  for (const [id, current] of [["to-grid", where === "results"], ["to-map", where === "map"], ["to-compose", where === "composer"]]) byId(id).toggleAttribute("aria-current", current);
   if (where !== "viewer") {
     viewer.close();
     document.title = state.q ? `${state.q} – motionseek` : "motionseek";
@@ -65,6 +69,8 @@ async function show(state, back = false) {
   if (stage) stage.dirty = true;
   if (where === "viewer") viewer.show(state);
   if (where === "map") plane.show(state, from === "viewer");
+  if (where === "composer") composer.show(state);
+  else composer.close();
   if (where !== "results") return isNew && !back && scrollTo(0, 0);
   const shown = results.show(state, place?.count);
   if (isNew && !back && from !== "results") scrollTo(0, 0);
@@ -100,7 +106,7 @@ byId("theme").addEventListener("click", changeTheme);
 byId("help-button").addEventListener("click", () => byId("help").showModal());
 onFiles();
 listenToQuestion(() => grid.focus(0));
-listenToShortcuts({ viewer, grid, togglePlaying });
+listenToShortcuts({ viewer, grid, togglePlaying: () => (read().view === "compose" ? composer.toggle() : togglePlaying()) });
 
 /** Show the size and the filters of the library, again when it has changed. */
 let generation = -1;

@@ -29,7 +29,7 @@ function search() {
   waiting = 0;
   const q = byId("q").value.trim();
   if (q === read().q && !read().clip) return;
-  go({ ...CLOSED, like: "", from: "", to: "", ids: "", q }, { quietly: Boolean(read().q) && !read().clip });
+  go({ ...CLOSED, like: "", from: "", to: "", ids: "", q, ...(read().view === "compose" ? { view: "" } : {}) }, { quietly: Boolean(read().q) && !read().clip });
 }
 
 function narrow() {

@@ -48,6 +48,7 @@ export function listenToShortcuts({ viewer, grid, togglePlaying }) {
     { key: "e", says: "export the cut", act: save },
     { key: "s", says: "more like this", act: similar },
     { key: "m", says: "map", act: () => go({ ...CLOSED, view: read().view === "map" ? "" : "map" }) },
+    { key: "o", says: "compose", act: () => go({ ...CLOSED, view: read().view === "compose" ? "" : "compose" }) },
     { key: "f", says: "filters", act: () => byId("filters-button").click() },
     { key: "d", says: "light or dark", act: changeTheme },
     { key: "Escape", shown: "Esc", says: "back", viewer: true, act: close },

@@ -25,7 +25,8 @@ const MOST = 1_000_000; // clips of a selection
  * @property {string} from         …or clips similar to this span of it
  * @property {string} to
  * @property {string} ids          clips that were selected: numbers, ranges and keys, separated by commas
- * @property {string} view         "map" or ""
+ * @property {string} view         "map", "compose" or ""
+ * @property {string} line         sentences to compose: JSON, a row [text, start, end, parts, clip, at] each
  * @property {string} clip         the clip that is open
  * @property {string} a            in point, seconds
  * @property {string} b            out point
@@ -34,7 +35,7 @@ const MOST = 1_000_000; // clips of a selection
  * @property {string[]} ask        further sentences asked of the open clip
  */
 
-const NAMES = /** @type {const} */ (["q", "moments", "min", "max", "path", "format", "rig", "captioned", "starred", "tag", "collection", "strength", "sort", "like", "from", "to", "ids", "view", "clip", "a", "b", "with", "c"]);
+const NAMES = /** @type {const} */ (["q", "moments", "min", "max", "path", "format", "rig", "captioned", "starred", "tag", "collection", "strength", "sort", "like", "from", "to", "ids", "view", "clip", "a", "b", "with", "c", "line"]);
 
 /** @returns {State} */
 export function read(hash = location.hash) {

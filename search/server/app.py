@@ -13,7 +13,7 @@ from search.server import exception_handlers
 from search.server.app_state import AppState
 from search.server.parameters import known_parameters
 from search.server.prometheus import MetricsMiddleware
-from search.server.routes import health, library, motions, search, shelf, uploads
+from search.server.routes import composing, health, library, motions, search, shelf, uploads
 from search.server.security import SecurityMiddleware
 from search.server.snapshot_library import SnapshotLibrary
 from search.server.static_page import StaticPage
@@ -61,7 +61,7 @@ def create_app(
         lifespan=lifespan,
     )
     exception_handlers.install(app)
-    for module in (search, motions, uploads, library, shelf):
+    for module in (search, motions, uploads, library, shelf, composing):
         app.include_router(module.routes(state), dependencies=[Depends(known_parameters)])
     app.include_router(health.routes(state))
     app.mount("/", StaticPage())

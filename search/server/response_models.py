@@ -201,5 +201,39 @@ class ChangedMarksResponse(BaseModel):
     clips: list[ClipMarksModel]
 
 
+class ComposeOption(BaseModel):
+    clip: int
+    path: str
+    source_start: float
+    source_end: float
+    score: float
+
+
+class ComposedInterval(BaseModel):
+    text: str
+    start: float
+    end: float
+    parts: list[str]
+    path: str
+    root: str | None
+    clip: int
+    source_start: float
+    source_end: float
+    repeats: int
+    rate: float
+    score: float
+    tmr_score: float = Field(description="0 to 1, of what came out")
+    options: list[ComposeOption] = Field(description="What could show it, the best first")
+
+
+class ComposeResponse(BaseModel):
+    timeline: str | None
+    duration: float
+    intervals: list[ComposedInterval]
+    joins: list[float]
+    credits: str | None
+    joints: str = Field(description="MSJ1, as of /api/motions/{clip}/joints, in base64")
+
+
 class HealthResponse(BaseModel):
     status: Literal["ok"]

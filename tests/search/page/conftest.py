@@ -30,7 +30,7 @@ _FLAGS = (
 ).split()
 
 
-_SHOWN = "#results:not([hidden])[aria-busy=false], #viewer:not([hidden]), #map:not([hidden])"
+_SHOWN = "#results:not([hidden])[aria-busy=false], #viewer:not([hidden]), #map:not([hidden]), #composer:not([hidden])"
 
 
 # For this module alone: while it is open, its event loop runs, and no other test could start one.

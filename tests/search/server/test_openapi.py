@@ -35,6 +35,8 @@ ROUTES = {
     ("/api/marks", "get"),
     ("/api/marks", "post"),
     ("/api/archive", "get"),
+    ("/api/compose", "post"),
+    ("/api/compose/file", "post"),
     ("/healthz", "get"),
     ("/metrics", "get"),
 }
