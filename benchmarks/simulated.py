@@ -26,13 +26,19 @@ _BATCH = 2000
 _CAPTIONED = 0.3
 
 
-def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0) -> None:
-    """Write a library of `count` clips that resemble those of another one, in the library's own format."""
+def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0, *, poses: bool = False) -> None:
+    """Write a library of `count` clips that resemble those of another one, in the library's own format.
+
+    With `poses` they have the poses of the real ones, else none.
+    """
     rng = np.random.default_rng(seed)
     with StoredLibrary.open(around) as real:
         clips = [(clip, real.windows(clip.id)) for clip in real.clips_by_id(real.ids().tolist()).values()]
         with real.reading() as connection:
             rows = real.indexes.current(CLIPS, connection).rows
+            chunks: dict[int, list[tuple[int, bytes]]] = {}
+            for owner, chunk, data in connection.execute("SELECT clip_id, chunk, data FROM poses") if poses else ():
+                chunks.setdefault(owner, []).append((chunk, data))
         whole = dict(zip(rows.owners.tolist(), rows.vectors, strict=True))
         model = real._model()
     assert model is not None
@@ -76,6 +82,10 @@ def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0
                 db.executemany(
                     "INSERT INTO windows(clip_id, model_id, length, starts, vectors) VALUES (?, 1, ?, ?, ?)",
                     [(i, w.length, w.starts.tobytes(), moved(w.vectors, by)) for w in windows],
+                )
+                db.executemany(
+                    "INSERT INTO poses(clip_id, chunk, data) VALUES (?, ?, ?)",
+                    [(i, chunk, data) for chunk, data in chunks.get(clip.id, ())],
                 )
                 if rng.random() < _CAPTIONED:
                     text = int(rng.integers(len(sentences))) + 1

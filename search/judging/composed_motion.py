@@ -18,13 +18,11 @@ from encoders.metrics import ranks
 from encoders.motion import FPS, Motion
 from encoders.protocol import Encoder
 from search.compose.assembling import assembled
-from search.compose.candidates import candidates
 from search.compose.composition import Composition
 from search.compose.timeline import Interval, Timeline
 from search.judging.metrics.ground import foot_sliding
 from search.judging.metrics.seams import transition_distances
 from search.library import Library
-from search.query.encoding import encode_queries
 
 Array = NDArray[np.float64]
 
@@ -32,8 +30,6 @@ Array = NDArray[np.float64]
 _OVERLAP = 10
 #: Frames around a join in which speeds are those of the join.
 _AROUND = 6
-#: Windows around which the best clip of a sentence is looked for.
-_WINDOWS = 24
 
 
 @dataclass(frozen=True)
@@ -89,7 +85,7 @@ def evaluate_composed(
         "composed": judge.figures([one.motion for one in made]),
         "cuts unjoined": judge.figures(unjoined),
         "cuts with straight lines": judge.figures(straight),
-        "best clips alone": judge.figures_of_clips(_best_clips(library, lines)),
+        "best clips alone": judge.figures_of_clips(_best_clips(made)),
     }
     near, inside = _speeds(made)
     return ComposedFigures(len(lines), len(library), rows, near, inside, seconds / max(len(lines), 1))
@@ -179,16 +175,10 @@ def _boundaries(motion: Motion, line: Timeline) -> list[int]:
     return sorted(frame for frame in frames if 0 < frame < len(motion))
 
 
-def _best_clips(library: Library, lines: Sequence[Timeline]) -> list[Motion]:
+def _best_clips(made: Sequence[Composition]) -> list[Motion]:
     """The best cut of each sentence, whatever comes before and after, as it was performed."""
-    found: dict[tuple[str, float], Motion] = {}
-    for one in (one for line in lines for one in line.intervals):
-        key = one.text, round(one.duration, 1)
-        if key not in found:
-            query = encode_queries(library.bundle, [one.text])[0]
-            best = candidates(library, one, query, _WINDOWS, 1, None)[0]
-            found[key] = best.source.read(best.start, best.end)
-    return [found[one.text, round(one.duration, 1)] for line in lines for one in line.intervals]
+    best = [offered[0] for one in made for offered in one.offered]
+    return [one.source.read(one.start, one.end) for one in best]
 
 
 def _speeds(made: Sequence[Composition]) -> tuple[float, float]:

@@ -108,7 +108,7 @@ export class Composer {
     const at = over && end ? round(clamp(this.view?.time ?? 0, 0, Math.max(end - NEW, 0))) : end;
     const added = { id: newId(), text, start: at, end: round(over && end ? Math.min(at + NEW, end) : at + NEW), parts: [], clip: null, at: null };
     this.#change([...this.sentences, added], true);
-    this.#select(this.sentences.indexOf(added));
+    this.#select(this.sentences.findIndex((one) => one.id === added.id));
   }
 
   /** @param {number} i */

@@ -50,7 +50,7 @@ export class Line {
     this.sentences = sentences;
     if (!this.held) this.span = Math.max(this.#end() + ROOM, LEAST);
     const rows = rowsOf(sentences);
-    this.rows.style.setProperty("--rows", String(Math.max(0, ...rows) + 1));
+    this.root.style.setProperty("--rows", String(Math.max(0, ...rows) + 1));
     const gone = new Set(this.nodes.keys());
     sentences.forEach((one, i) => {
       gone.delete(one.id);
