@@ -16,9 +16,7 @@ from encoders.arguments import (
     checked_number,
     checked_path,
     checked_span,
-    shown,
     unit_vector,
-    whole_number,
 )
 from encoders.errors import ArgumentError
 from encoders.motion import FPS, Motion
@@ -26,7 +24,7 @@ from encoders.protocol import TokenEncoder
 from indexer.argument_checks import checked_rate, checked_up
 from indexer.store.clips import Caption, Clip
 from indexer.store.library_reader import one_snapshot
-from search.compose.timeline import MAX_TRANSITION, TRANSITION, Timeline
+from search.compose.timeline import TRANSITION, Timeline
 from search.hits import Hit, Hits
 from search.marking import MarkedLibrary
 from search.moments.across_library import answers_in_candidates, moments_across
@@ -493,16 +491,8 @@ class Library(MarkedLibrary):
         """
         from search.compose.composition import compose
 
-        if not isinstance(timeline, Timeline):
-            raise ArgumentError(f"timeline={shown(timeline)} must be a Timeline; make one with Timeline.of")
-        before = None if after is None else self.source(after).motion
-        samples, seconds = checked_count(samples, "samples"), checked_number("transition", transition)
-        if not 0 < seconds <= MAX_TRANSITION or whole_number(seed) is None or seed < 0:
-            raise ArgumentError(
-                f"transition={transition} must be 0 to {MAX_TRANSITION:g} seconds, and seed={seed} 0 or more"
-            )
-        allowed = self.allowed(**filters)
-        return compose(timeline, self, samples=samples, seed=seed, after=before, transition=seconds, allowed=allowed)
+        before, allowed = None if after is None else self.source(after).motion, self.allowed(**filters)
+        return compose(timeline, self, samples=samples, seed=seed, after=before, transition=transition, allowed=allowed)
 
     def source(self, ref: Ref, *, fps: float | None = None, up: str | None = None) -> MotionSource:
         """The motion that a reference means, with what the library knows of it."""

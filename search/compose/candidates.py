@@ -23,7 +23,7 @@ Span = tuple[float, float]
 
 #: How much faster or slower than it was performed a span may be shown.
 FASTEST, SLOWEST = 1.25, 0.8
-#: Shortest cut in seconds that is compared with a sentence.
+#: Shortest cut in seconds, and so the shortest clip, that is compared with a sentence.
 _SHORTEST = 0.5
 #: Seconds by which cuts must differ in length to be two.
 _SAME = 0.1
@@ -155,6 +155,8 @@ def _cuts_near(
     found = []
     for window in near:
         source = sources[window.clip_id]
+        if source.duration < _SHORTEST:
+            continue  # a pose is no motion
         spans = _spans(window.moment(source.duration), source.duration, wanted)
         begin = max(min(start for start, _ in spans) - _AROUND, 0.0)
         around = source.read(begin, min(max(end for _, end in spans) + _AROUND, source.duration)).resample(FPS)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.errors import QueryError
+from encoders.arguments import checked_count, checked_number, shown, whole_number
+from encoders.errors import ArgumentError, QueryError
 from encoders.motion import Motion
 from encoders.protocol import Encoder
 from indexer.store.stored_library import StoredLibrary
@@ -16,7 +17,7 @@ from search.compose.assembling import assembled
 from search.compose.candidates import Candidate, candidates
 from search.compose.choosing import SPREAD, USED, Joins, refined
 from search.compose.stitched import StitchedScores
-from search.compose.timeline import TRANSITION, Interval, Pin, Timeline
+from search.compose.timeline import MAX_TRANSITION, TRANSITION, Interval, Pin, Timeline
 from search.query.encoding import encode_queries
 
 #: Windows near to a sentence around which cuts are made, and how many of the cuts are candidates.
@@ -82,9 +83,12 @@ def compose(
 
     Raises
     ------
+    ArgumentError
+        If a value is of a wrong type or out of range.
     QueryError
         If the library holds nothing for a sentence.
     """
+    samples, transition = _checked(timeline, samples, seed, transition)
     intervals = timeline.intervals
     queries = encode_queries(library.bundle, [interval.text for interval in intervals])
     offered = [
@@ -109,6 +113,17 @@ def compose(
         used |= {_key(candidate) for candidate in picked}
         found.append(_composition(timeline, picked, offered, library.bundle, after, transition))
     return found
+
+
+def _checked(timeline: Timeline, samples: int, seed: int, transition: float) -> tuple[int, float]:
+    if not isinstance(timeline, Timeline):
+        raise ArgumentError(f"timeline={shown(timeline)} must be a Timeline; make one with Timeline.of")
+    seconds = checked_number("transition", transition)
+    if not 0 < seconds <= MAX_TRANSITION or whole_number(seed) is None or seed < 0:
+        raise ArgumentError(
+            f"transition={shown(transition)} must be 0 to {MAX_TRANSITION:g} seconds, and seed={shown(seed)} 0 or more"
+        )
+    return checked_count(samples, "samples"), seconds
 
 
 def _pinned(library: StoredLibrary, interval: Interval, pin: Pin, query: NDArray[np.float32]) -> Candidate:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import motionseek
 from motionseek import Interval, Timeline
+from search.compose.timeline import Pin
 from tests.search.conftest import Run, made_motion
 
 LINE = Timeline.of(
@@ -58,6 +60,31 @@ def test_filters_choose_what_it_is_made_of(library: motionseek.Library) -> None:
     assert {one.candidate.source.path for one in made.chosen} == {"clip 5"}
     with pytest.raises(motionseek.QueryError, match=r"'walks' \(0 to 3 s\): there is no clip that could show it"):
         library.compose(LINE, min_duration=100)
+
+
+def test_clips_of_one_frame_show_nothing(tiny_bundle: Path, tmp_path: Path) -> None:
+    bundle = motionseek.Bundle.load(tiny_bundle, threads=1)
+    with motionseek.open(tmp_path, bundle=bundle, create=True) as library:
+        still = motionseek.Motion(made_motion(1, 1).joints[:1])
+        library.add("pose", still)
+        with pytest.raises(motionseek.QueryError, match="there is no clip that could show it"):
+            library.compose(Timeline.of_steps([("walks", 3)]))
+        library.add("take", made_motion(3, 1))
+        (made,) = library.compose(Timeline.of_steps([("walks", 3)]), after=still)
+        assert {one.candidate.source.path for one in made.chosen} == {"take"}
+        assert len(made.motion) == 61
+
+
+def test_a_pinned_clip_shows_its_sentence(library: motionseek.Library) -> None:
+    (made,) = library.compose(LINE)
+    other = made.offered[0][-1]
+    at = other.source.start + (other.start + other.end) / 2
+    first, *rest = LINE.intervals
+    (again,) = library.compose(Timeline.of([replace(first, pin=Pin(other.source.clip_id, at)), *rest]))
+    shown = again.chosen[0].candidate
+    assert (shown.source.path, shown.start, shown.end) == (other.source.path, other.start, other.end)
+    with pytest.raises(motionseek.QueryError, match="the library has no clip #999"):
+        library.compose(Timeline.of([Interval("walks", 0, 2, pin=Pin(999, 0.0))]))
 
 
 @pytest.mark.parametrize("given", [{"samples": 0}, {"seed": -1}, {"seed": 0.5}, {"transition": 0}, {"transition": 99}])
