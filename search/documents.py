@@ -8,11 +8,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from search.query.languages import understood_language_of
 from search.query.question import Question
 from search.ranking.description import Description
 
 #: Times (T,) in seconds and the similarity (S, T) of each sentence.
 Curve = tuple[NDArray[np.float64], NDArray[np.float32]]
+
+
+def search_document(query: str, sentences: Sequence[str], hits: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """The hits of a question; `language` is that of its sentences where they are understood as not English, else None.
+
+    Parameters
+    ----------
+    query : str
+        The question as it was asked.
+    hits : sequence of dict
+        See `search.hits.Hit.document`.
+    """
+    language = next(filter(None, map(understood_language_of, sentences)), None)
+    return {"query": query, "language": language, "hits": list(hits)}
 
 
 def moments_document(question: Question, hits: Sequence[dict[str, Any]], curve: Curve | None = None) -> dict[str, Any]:
@@ -23,7 +38,7 @@ def moments_document(question: Question, hits: Sequence[dict[str, Any]], curve: 
     hits : sequence of dict
         See `search.hits.Hit.document`.
     """
-    content: dict[str, Any] = {"query": str(question), "hits": list(hits)}
+    content = search_document(str(question), question.sentences, hits)
     if question.how != "alone":
         content |= {"how": question.how, "sentences": list(question.sentences)}
     if curve is not None:

@@ -24,8 +24,8 @@ ROOMS = {
         "take argument_checks part_names read_motion formats rigs vectors store ingest maintenance datasets".split()
     ),
     "search": (
-        "spans hits source references marking query ranking moments stacks documents export drawing compose library "
-        "standalone map evaluate judging generation release server cli".split()
+        "spans hits source references marking translation query ranking moments stacks documents export drawing "
+        "compose library standalone map evaluate judging generation release server cli".split()
     ),
 }
 #: The rooms of the corpus in the same way.

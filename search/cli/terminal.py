@@ -104,10 +104,20 @@ def _styled(cell: str) -> Text:
     return Text(cell, style=_COLOURS.get(cell, ""))
 
 
-def hits(found: Hits, query: str, library: StoredLibrary | None = None, *, as_json: bool) -> None:
-    """Print the hits of a query; where their library has several roots, the root's name comes before each path."""
+def hits(
+    found: Hits, query: str, library: StoredLibrary | None = None, *, as_json: bool, sentences: Sequence[str] = ()
+) -> None:
+    """Print the hits of a query; where their library has several roots, the root's name comes before each path.
+
+    Parameters
+    ----------
+    sentences : sequence of str
+        What of the query was said in words.
+    """
     if as_json:
-        document({"query": query, "hits": found.to_dicts()})
+        from search.documents import search_document
+
+        document(search_document(query, sentences, found.to_dicts()))
         return
     clips = [h.path if library is None else library.reference(h.root, h.path) for h in found]
     rows = [

@@ -156,7 +156,7 @@ def _composition(
     """The composition of what was picked, each interval scored as it came out."""
     made = assembled(timeline, picked, before, transition)
     crops = [made.motion.crop(made.start + one.start, made.start + one.end) for one in timeline.intervals]
-    texts = encoder.encode_texts([one.text for one in timeline.intervals])
+    texts = encode_queries(encoder, [one.text for one in timeline.intervals], paraphrased=False)
     scores = ((encoder.encode_motions(crops) * texts).sum(axis=1) + 1) / 2
     chosen = [
         Chosen(one, candidate, float(score))

@@ -1,7 +1,7 @@
 """Languages: which one a sentence is written in, where it is not English.
 
-Scripts tell most; languages in Latin letters are told by their most frequent words and by letters that others lack. A
-sentence of a few words often gives too little evidence: then none is named, which is right more often than a guess.
+Scripts tell most; languages in Latin letters are told by their most frequent words, by those of their lexicon of
+movement and by letters that others lack. A sentence that is as much English as anything else is taken for English.
 """
 
 from __future__ import annotations
@@ -9,6 +9,12 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections import Counter
+from functools import cache, lru_cache
+
+from search.query.known_words import lexicon
+from search.query.vocabulary import vocabulary
+from search.translation.concepts import ENGLISH, languages, telling_stems
+from search.translation.english_neighbours import is_installed
 
 #: First word of a character's Unicode name -> the language written so, where there are no others to tell it from.
 _SCRIPTS = {
@@ -25,6 +31,9 @@ _SCRIPTS = {
 }
 #: Frequent words in which people, places, directions and sides are spoken of.
 _WORDS = {
+    "English": "a an the and is are was then while with without to into onto of on in at by for from as his her their "
+    "its it he she they who that this someone person man woman human figure something like up down back out off over "
+    "under both left right hand hands arm arms leg legs one two three times not no very while pose person's",
     "German": "ein eine einen einem einer der die das den dem und ist auf mit nach vor von im zu sich er sie es jemand "
     "mensch mann frau person hand arm bein links rechts vorne hinten rückwärts vorwärts langsam schnell geht läuft "
     "springt steht sitzt setzt dreht hebt wirft winkt tanzt kniet fällt hin auf beiden seinen ihren über unter",
@@ -75,10 +84,11 @@ _LETTERS = {
 }
 _BY_LANGUAGE = {language: frozenset(words.split()) for language, words in _WORDS.items()}
 _WORD = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)?")
-#: Share of a sentence's words that must be a language's, and how many more than those of any other.
-_SHARE, _MORE = 0.34, 1
+#: Share of a sentence's words that must be a language's.
+_SHARE = 0.34
 
 
+@lru_cache(4096)
 def language_of(sentence: str) -> str:
     """The English name of the language of a sentence; empty where the evidence names none, as for English itself."""
     text = unicodedata.normalize("NFC", sentence).lower()
@@ -88,8 +98,34 @@ def language_of(sentence: str) -> str:
     if foreign and sum(scripts[script] for script in foreign) > len(letters) / 2:
         return _SCRIPTS[foreign[0]]
     words = _WORD.findall(text)
-    evidence = Counter({language: sum(word in known for word in words) for language, known in _BY_LANGUAGE.items()})
+    if sum(word in _english() for word in words) > len(words) / 2:
+        return ""
+    evidence = Counter({language: sum(_is_of(word, language) for word in words) for language in _WORDS})
     evidence.update(_LETTERS[letter] for letter in set(text) & _LETTERS.keys())
-    (first, most), (_, next_most) = evidence.most_common(2)
+    first, most = max(evidence.items(), key=lambda entry: entry[1])
+    if len(words) == 1 and text.isascii():  # beginnings of single words say little
+        most = min(most, words[0] in _BY_LANGUAGE[first])
     enough = words and most >= min(max(2, _SHARE * len(words)), len(words))
-    return first if enough and most >= next_most + _MORE else ""
+    return first if enough and most > evidence[ENGLISH] else ""
+
+
+def understood_language_of(sentence: str) -> str:
+    """The language of a sentence that is not English and can be answered here; empty for any other."""
+    language = language_of(sentence)
+    return language if language in languages() and is_installed() else ""
+
+
+@cache
+def _english() -> frozenset[str]:
+    """English words by which a sentence is known for English at once."""
+    return _BY_LANGUAGE[ENGLISH] | frozenset(lexicon(vocabulary()).tolist())
+
+
+def _is_of(word: str, language: str) -> bool:
+    """Whether a word is a frequent one of a language, or one of its words of movement."""
+    if word in _BY_LANGUAGE[language] or (language == ENGLISH and word in _english()):
+        return True
+    if language not in languages():
+        return False
+    beginnings, whole = telling_stems(language)
+    return word in whole or any(word[:end] in beginnings for end in range(4, len(word) + 1))

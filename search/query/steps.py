@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import re
 
+from search.query.languages import understood_language_of
+from search.translation.concepts import stems_of
+
 _ORDER = re.compile(
     r"\s*[,;.]?\s*\b(?:and\s+)?(?:then|after\s+that|afterwards?|next|finally|followed\s+by)\b\s*,?\s*(?:and\s+)?"
     r"|\s*[,;]?\s*\bbefore\s+(?=\w+ing\b)"
@@ -30,16 +33,31 @@ def split(sentence: str) -> list[str]:
     """A sentence's steps in the order they happen: "walks, then sits" -> ["walks", "sits"]; one step where it has none.
 
     Words of order divide it ("then", "after that", "followed by", "before ...ing", "after ...ing,", a semicolon), and
-    once one is there, commas before a verb do too. The subject of the first step is given to those without one.
+    once one is there, commas before a verb do too. The subject of the first step is given to those without one. In
+    another language, what its lexicon has for "then" and a semicolon divide, and no subject is added.
     """
+    if language := understood_language_of(sentence):
+        return _split_foreign(sentence, language)
     after = _AFTER.match(sentence)
     parts = [after["first"], *_ORDER.split(after["second"])] if after else _ORDER.split(sentence)
     if len(parts) > 1:
         parts = [step for part in parts for step in _LISTED.split(part)]
-    steps = [part.strip(" \t\n,;.") for part in parts]
-    steps = [step for step in steps if any(character.isalnum() for character in step)]
+    steps = _bare(parts)
     subject = next((found["subject"] for found in map(_SUBJECT.match, steps) if found), "")
     return [_with_subject(step, subject) for step in steps] or [sentence]
+
+
+def _split_foreign(sentence: str, language: str) -> list[str]:
+    """A sentence's steps; "und" and its like stay at their ends, as they change no meaning."""
+    words = (stem.replace("+", r"\s+").replace("_", r"\b") for stem in stems_of(language, "then"))
+    spaced = r"\b" if sentence.count(" ") else ""
+    return _bare(re.split(rf"{spaced}(?:{'|'.join(words)})|[;；]", sentence, flags=re.IGNORECASE)) or [sentence]
+
+
+def _bare(parts: list[str]) -> list[str]:
+    """What is left of parts without the marks around them, where there are words."""
+    steps = [part.strip(" \t\n,;.，、。،") for part in parts]
+    return [step for step in steps if any(character.isalnum() for character in step)]
 
 
 def _with_subject(step: str, subject: str) -> str:

@@ -6,8 +6,10 @@ import re
 from difflib import get_close_matches
 
 from search.query.known_words import Words, content_words, is_known, lexicon
-from search.query.languages import language_of
+from search.query.languages import language_of, understood_language_of
 from search.query.vocabulary import vocabulary
+from search.translation.concepts import languages
+from search.translation.english_neighbours import INSTALL
 
 #: How like a known word one must be to be taken for a slip of it.
 _ALIKE = 0.8
@@ -25,12 +27,16 @@ def remark(sentence: str, known: Words) -> str:
     known : array of str (W,)
         Sorted words in which motion is described.
     """
+    if language := understood_language_of(sentence):
+        return f"understood as {language}"
     words = content_words(sentence)
     unknown = [word for word in dict.fromkeys(words) if not is_known(word, known)]
     if not words or unknown:
         language = language_of(sentence)
+        if language in languages():
+            return f"this looks like {language}; to have it understood: {INSTALL}"
         if language:
-            return f"this looks like {language}; sentences are understood in English"
+            return f"this looks like {language}, which is not understood; ask in English"
     if not unknown:
         return ""
     slips = {word: near for word in unknown if (near := _nearest(word, known))}

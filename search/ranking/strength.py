@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from encoders.protocol import Encoder
 from search.hits import PLAUSIBLE, STRONG, WEAK
 from search.query.known_words import Words, out_of_vocabulary_share
+from search.query.languages import understood_language_of
 from search.query.question import EncodedQuestion
+from search.translation.concepts import concepts_of
 
 #: Probability of being right from which a hit is called strong, and plausible.
 STRONG_FROM, PLAUSIBLE_FROM = 0.5, 0.2
@@ -96,5 +98,10 @@ class Judge:
 
 
 def is_out_of_vocabulary(sentence: str, words: Words) -> bool:
-    """Whether half of a sentence or more is not among the sorted words (W,) in which motion is described."""
+    """Whether half of a sentence or more is not among the sorted words (W,) in which motion is described.
+
+    One of another language is, where it names nothing that its lexicon of movement has.
+    """
+    if language := understood_language_of(sentence):
+        return len(concepts_of(sentence, language)) == 0
     return out_of_vocabulary_share(sentence, words) >= _DOWNGRADED_FROM

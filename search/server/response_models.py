@@ -41,6 +41,7 @@ class HitModel(BaseModel):
 
 class SearchResponse(BaseModel):
     query: str
+    language: str | None = None
     hits: list[HitModel]
 
 

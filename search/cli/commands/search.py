@@ -48,7 +48,7 @@ def search(
     with options.open_library(folder) as library:
         with working("searching"):
             found = library.search(sentence, k, min_strength=min_strength, **filters)
-        terminal.hits(found, sentence, library, as_json=as_json)
+        terminal.hits(found, sentence, library, as_json=as_json, sentences=[sentence])
         terminal.remark([sentence], library.bundle)
         if not found:
             terminal.note(terminal.no_clips(library, filters))

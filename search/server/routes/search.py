@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 
-from search.documents import curve_document, description_document, moments_document
+from search.documents import curve_document, description_document, moments_document, search_document
 from search.hits import Hit
 from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
@@ -56,7 +56,7 @@ def routes(state: AppState) -> APIRouter:
             question = await state.encode(Question.of(q, split_steps=False))
             request = SearchRequest(question, offset + k, given, min_strength)
             hits = await state.search_batches.submit(request)
-            answer = JsonAnswer({"query": q, "hits": _documents(hits[offset:])}, hits[offset:])
+            answer = JsonAnswer(search_document(q, [q], _documents(hits[offset:])), hits[offset:])
             library.answer_cache.put(key, answer, library.stale_criterion(request, hits), generation)
         return bytes_response(answer.data)
 

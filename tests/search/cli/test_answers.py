@@ -63,7 +63,7 @@ def test_moments_of_a_file_that_is_not_indexed(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     found = run("moments", "a person walks", takes / "take 3.npy", "--json", "-k", 2).document
-    assert set(found) == {"query", "hits", "curve"}
+    assert set(found) == {"query", "language", "hits", "curve"}
     assert len(found["curve"]["times"]) == len(found["curve"]["similarity"]["a person walks"])
 
 

@@ -148,7 +148,11 @@ def test_index_of_an_empty_folder(run: Run, tmp_path: Path) -> None:
     ran = run("index", tmp_path)
     assert ran.code == 0
     assert "no motion files" in ran.out
-    assert run("search", "walks", "--library", tmp_path, "--json").document == {"query": "walks", "hits": []}
+    assert run("search", "walks", "--library", tmp_path, "--json").document == {
+        "query": "walks",
+        "language": None,
+        "hits": [],
+    }
     assert "empty" in run("search", "walks", "--library", tmp_path).err
 
 

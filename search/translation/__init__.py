@@ -1,0 +1,1 @@
+"""Sentences of other languages: what they name, and the English sentences that are nearest in meaning."""
