@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.protocol import Encoder
+from search.query.known_words import spelled_out
 from search.query.languages import understood_language_of
 from search.query.paraphrases import paraphrases
 from search.translation.english_neighbours import encode_foreign
@@ -24,7 +25,7 @@ def encode_queries(encoder: Encoder, sentences: Sequence[str], *, paraphrased: b
     Parameters
     ----------
     sentences : sequence of str
-        As the user wrote them.
+        As the user wrote them; also names of clips, such as "HitReactLeft_02".
     paraphrased : bool
         Whether English sentences are averaged with their paraphrases.
 
@@ -33,7 +34,7 @@ def encode_queries(encoder: Encoder, sentences: Sequence[str], *, paraphrased: b
     float32 array (Q, D)
     """
     languages = [understood_language_of(sentence) for sentence in sentences]
-    english = [text for text, language in zip(sentences, languages, strict=True) if not language]
+    english = [spelled_out(text) for text, language in zip(sentences, languages, strict=True) if not language]
     foreign = [(text, language) for text, language in zip(sentences, languages, strict=True) if language]
     vectors = np.empty((len(sentences), encoder.latent_size), np.float32)
     is_foreign = np.array(languages, bool)

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 Words = NDArray[np.str_]
 
 _WORD = re.compile(r"[^\W\d_]{2,}")
+#: Within a name such as HitReactLeft, and a number that such a name ends with: 0 and more digits, or two at most.
+_HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+_NUMBER = re.compile(r"[-_. ]?(?<!\d)(?:0\d*|\d{1,2})$")
 #: Stop words.
 STOP_WORDS = frozenset(
     "an and are as at be been by for from he her his in is it its of on or she that the their them they this to was "
@@ -19,6 +22,17 @@ STOP_WORDS = frozenset(
 #: What may be added to a word, or put for its last e.
 _ENDINGS = ("s", "es", "d", "ed", "r", "er", "ing", "ly")
 _SHORTEST_STEM = 3
+
+
+def spelled_out(sentence: str) -> str:
+    """A sentence with the names in it, as games and archives give them to clips, as words.
+
+    >>> spelled_out("HitReactLeft_02"), spelled_out("a walk_cycle"), spelled_out("T-pose")
+    ('Hit React Left', 'a walk cycle', 'T-pose')
+    """
+    numbered = sentence if " " in sentence.strip() else _NUMBER.sub("", sentence.strip())
+    words = _HUMP.sub(" ", numbered).replace("_", " ").strip()
+    return words or sentence
 
 
 def lexicon(sentences: Iterable[str]) -> Words:
@@ -38,7 +52,7 @@ def content_words(sentence: str) -> list[str]:
 
 
 def _words(sentence: str) -> list[str]:
-    return _WORD.findall(sentence.lower())
+    return _WORD.findall(spelled_out(sentence).lower())
 
 
 def is_known(word: str, known: Words) -> bool:
