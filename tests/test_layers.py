@@ -25,7 +25,7 @@ ROOMS = {
     ),
     "search": (
         "spans hits source references marking translation query ranking moments stacks documents export drawing "
-        "compose library standalone map evaluate judging generation release server cli".split()
+        "plausibility compose library standalone map evaluate judging generation release server cli".split()
     ),
 }
 #: The rooms of the corpus in the same way.

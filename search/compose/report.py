@@ -12,6 +12,8 @@ from search.drawing import film
 from search.export import cut
 from search.export.credits import credits_text
 from search.export.replacing import write_text
+from search.plausibility.ground import foot_sliding
+from search.plausibility.seams import transition_distances
 from search.source import MotionSource
 
 #: Endings of what can be written.
@@ -19,14 +21,30 @@ WRITERS = (*cut.WRITERS, *film.WRITERS)
 
 
 def document(composition: Composition) -> dict[str, Any]:
-    """The report as plain data, numbers rounded: the keys of the command's JSON."""
+    """The report as plain data, numbers rounded: the keys of the command's JSON.
+
+    `sliding` is the percentage of frames in which a standing foot slides.
+    """
     return {
         "timeline": composition.timeline.name or None,
         "duration": round(composition.motion.duration, 3),
         "intervals": [_interval(chosen) for chosen in composition.chosen],
         "joins": [round(at, 3) for at in composition.joins],
+        "transitions": [{"at": round(at, 3), "cm": round(cm, 2)} for at, cm in transitions(composition)],
+        "sliding": round(foot_sliding(composition.motion.joints, composition.motion.fps)[1], 2),
         "credits": credits_of(composition.chosen) or None,
     }
+
+
+def transitions(composition: Composition) -> list[tuple[float, float]]:
+    """Where a piece or a body part goes over into another: the second, and the centimetres between its two frames."""
+    motion, line = composition.motion, composition.timeline
+    begin = motion.duration - line.duration
+    seconds = {begin + edge for one in line.intervals for edge in (one.start, one.end)} | set(composition.joins)
+    frames = sorted({round(at * motion.fps) for at in seconds})
+    frames = [frame for frame in frames if 0 < frame < len(motion)]
+    distances = transition_distances(motion.joints, frames).tolist()
+    return [(frame / motion.fps, cm) for frame, cm in zip(frames, distances, strict=True)]
 
 
 def _interval(chosen: Chosen) -> dict[str, Any]:

@@ -20,9 +20,12 @@ from encoders.protocol import Encoder
 from search.compose.assembling import assembled
 from search.compose.composition import Composition
 from search.compose.timeline import Interval, Timeline
-from search.judging.metrics.ground import foot_sliding
-from search.judging.metrics.seams import transition_distances
 from search.library import Library
+from search.plausibility.ground import foot_sliding
+from search.plausibility.seams import transition_distances
+from search.query.encoding import encode_queries
+from search.ranking.clip_scores import rank_windows
+from search.source import MotionSource
 
 Array = NDArray[np.float64]
 
@@ -85,7 +88,7 @@ def evaluate_composed(
         "composed": judge.figures([one.motion for one in made]),
         "cuts unjoined": judge.figures(unjoined),
         "cuts with straight lines": judge.figures(straight),
-        "best clips alone": judge.figures_of_clips(_best_clips(made)),
+        "best clips alone": judge.figures_of_clips(_best_windows(library, lines)),
     }
     near, inside = _speeds(made)
     return ComposedFigures(len(lines), len(library), rows, near, inside, seconds / max(len(lines), 1))
@@ -175,10 +178,15 @@ def _boundaries(motion: Motion, line: Timeline) -> list[int]:
     return sorted(frame for frame in frames if 0 < frame < len(motion))
 
 
-def _best_clips(made: Sequence[Composition]) -> list[Motion]:
-    """The best cut of each sentence, whatever comes before and after, as it was performed."""
-    best = [offered[0] for one in made for offered in one.offered]
-    return [one.source.read(one.start, one.end) for one in best]
+def _best_windows(library: Library, lines: Sequence[Timeline]) -> list[Motion]:
+    """The window of the library nearest to each sentence, as it was performed, however long it is."""
+    found: dict[str, Motion] = {}
+    for text in {one.text for line in lines for one in line.intervals}:
+        best = next(rank_windows(library, encode_queries(library.bundle, [text])[0]))
+        source = MotionSource.of_clip(library, library.clip(best.clip_id))
+        moment = best.moment(source.duration)
+        found[text] = source.read(moment.start, moment.end)
+    return [found[one.text] for line in lines for one in line.intervals]
 
 
 def _speeds(made: Sequence[Composition]) -> tuple[float, float]:

@@ -15,12 +15,12 @@ from search.judging.encoded_motions import EncodedMotions, Pieces
 from search.judging.metrics import agreement, recognition
 from search.judging.metrics.frechet import frechet_distance
 from search.judging.metrics.futures import best_of_many, future_diversity
-from search.judging.metrics.ground import foot_sliding, penetration
 from search.judging.metrics.pose_errors import position_and_variance_errors
 from search.judging.metrics.scopes import CROP_SECONDS, WINDOW, random_crops, sliding_windows, transition_windows
-from search.judging.metrics.seams import quarters, transition_distances, world_distances
 from search.judging.metrics.spread import diversity, multimodality
 from search.judging.motion_table import JudgedMotion
+from search.plausibility.ground import foot_sliding, penetration
+from search.plausibility.seams import quarters, transition_distances, world_distances
 
 Array = NDArray[np.float32]
 Figures = dict[str, float]

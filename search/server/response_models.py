@@ -227,11 +227,18 @@ class ComposedInterval(BaseModel):
     options: list[ComposeOption] = Field(description="What could show it, the best first")
 
 
+class TransitionModel(BaseModel):
+    at: float
+    cm: float
+
+
 class ComposeResponse(BaseModel):
     timeline: str | None
     duration: float
     intervals: list[ComposedInterval]
     joins: list[float]
+    transitions: list[TransitionModel]
+    sliding: float = Field(description="Percent of frames in which a standing foot slides")
     credits: str | None
     joints: str = Field(description="MSJ1, as of /api/motions/{clip}/joints, in base64")
 

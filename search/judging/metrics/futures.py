@@ -13,8 +13,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from search.judging.metrics.body_frame import local_pose
 from search.judging.metrics.time_warping import warped_distance
+from search.plausibility.body_frame import local_pose
 
 Array = NDArray[np.float64]
 

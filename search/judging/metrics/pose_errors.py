@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from search.judging.metrics.body_frame import Array, from_origin, local_pose
+from search.plausibility.body_frame import Array, from_origin, local_pose
 
 #: Name -> the positions (T, K, 3) or (T, K, 2) that are compared, of a motion brought to the origin.
 PARTS: dict[str, Callable[[Array], Array]] = {

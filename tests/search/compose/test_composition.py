@@ -103,6 +103,8 @@ def test_the_command_writes_motion_and_report(run: Run, indexed: Path, tmp_path:
     intervals = ran.document["compositions"][0]["intervals"]
     assert [one["parts"] for one in intervals][1] == ["left arm"]
     assert {"path", "root", "clip", "source_start", "source_end", "tmr_score"} <= set(intervals[0])
+    assert {1.0, 2.0, 3.0} <= {one["at"] for one in ran.document["compositions"][0]["transitions"]}
+    assert 0 <= ran.document["compositions"][0]["sliding"] <= 100
     assert abs(motionseek.load(out).duration - 4) < 0.1
     assert run("compose", *steps, "-o", out, "--library", indexed).code == 1  # it is there already
 

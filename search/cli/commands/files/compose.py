@@ -106,9 +106,11 @@ def compose(
     if as_json:
         terminal.document({"compositions": documents})
         return
-    for composition, path in zip(found, outs, strict=True):
+    for composition, told in zip(found, documents, strict=True):
         _show(composition)
-        print(f"{path}: {composition.motion.duration:.1f} s")
+        worst = max((one["cm"] for one in told["transitions"]), default=0.0)
+        figures = f"transitions of at most {worst:.1f} cm, feet slide in {told['sliding']:.0f} % of frames"
+        print(f"{told['file']}: {told['duration']:.1f} s, {figures}")
 
 
 def _timeline(

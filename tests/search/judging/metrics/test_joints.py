@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from encoders.skeleton import INDEX
-from search.judging.metrics.body_frame import from_origin, headings, local_pose, turned
 from search.judging.metrics.futures import best_of_many, future_diversity
-from search.judging.metrics.ground import floor_height, foot_sliding, penetration
 from search.judging.metrics.pose_errors import position_and_variance_errors
 from search.judging.metrics.scopes import random_crops, sliding_windows, transition_windows
-from search.judging.metrics.seams import quarters, transition_distances, world_distances
 from search.judging.metrics.time_warping import warped_distance
+from search.plausibility.body_frame import from_origin, headings, local_pose, turned
+from search.plausibility.ground import floor_height, foot_sliding, penetration
+from search.plausibility.seams import quarters, transition_distances, world_distances
 from tests.search.judging.bodies import standing
 
 WRIST, LEFT, RIGHT = INDEX["left_wrist"], INDEX["left_foot"], INDEX["right_foot"]

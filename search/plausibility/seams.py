@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from search.judging.metrics.body_frame import local_pose
+from search.plausibility.body_frame import local_pose
 
 
 def transition_distances(joints: NDArray[np.floating], frames: Sequence[int]) -> NDArray[np.float64]:
