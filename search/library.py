@@ -35,6 +35,7 @@ from search.query.question import EncodedQuestion, Question
 from search.ranking.alignment import RERANKED, rerank_by_alignment
 from search.ranking.answers import Answer, as_hits, checked_strength
 from search.ranking.batched import batched
+from search.ranking.by_amounts import ranked_by_amounts
 from search.ranking.clip_scores import ClipScore, best_clips, rank_by_window, rank_clips
 from search.ranking.description import Description, describe_motion
 from search.ranking.late_interaction import rerank_by_tokens
@@ -527,7 +528,7 @@ class Library(MarkedLibrary):
                     matched = matches[score.clip_id].places if score.clip_id in matches else ()
                     yield clip_answer(motion, score.score)._replace(matched=matched)
 
-        return as_hits(self.bundle, question, answers(), k, least)
+        return as_hits(self.bundle, question, ranked_by_amounts(question, answers()), k, least)
 
     def _ranked(
         self, question: EncodedQuestion, allowed: Ids | None, matches: Mapping[int, TextMatch]
@@ -546,7 +547,7 @@ class Library(MarkedLibrary):
             answers = moments_across(self.bundle, self, self._source_of, question, allowed=allowed)
         else:
             answers = answers_in_candidates(self.bundle, self, self._sources, question, allowed=allowed)
-        return as_hits(self.bundle, question, answers, k, least)
+        return as_hits(self.bundle, question, ranked_by_amounts(question, answers), k, least)
 
     def _source_of(self, clip_id: int) -> MotionSource:
         return MotionSource.of_clip(self, self.clip(clip_id))

@@ -117,7 +117,8 @@ def hits(
     if as_json:
         from search.documents import search_document
 
-        document(search_document(query, sentences, found.to_dicts()))
+        content = search_document(query, sentences, found.to_dicts())
+        document(content if sentences else {"query": query, "hits": content["hits"]})
         return
     clips = [h.path if library is None else library.reference(h.root, h.path) for h in found]
     rows = [

@@ -10,6 +10,7 @@ from search.moments.localisation import best_moment, rank_moments
 from search.moments.queried_motion import QueriedMotion
 from search.moments.sequences import enclosing, find_sequence
 from search.ranking.answers import Answer, as_hits
+from search.ranking.by_amounts import ranked_by_amounts
 from search.spans import Moment
 
 
@@ -36,4 +37,5 @@ def clip_answer(motion: QueriedMotion, score: float) -> Answer:
 
 def moments_of(motion: QueriedMotion, k: int, least: str | None = None) -> Hits:
     """At most k moments of one motion as hits, best first; see `search.ranking.answers.as_hits`."""
-    return as_hits(motion.encoder, motion.question, find(motion), k, least)
+    answers = ranked_by_amounts(motion.question, find(motion))
+    return as_hits(motion.encoder, motion.question, answers, k, least)

@@ -28,6 +28,7 @@ from indexer.vectors.faiss_index import FaissIndex
 from indexer.vectors.library_indexes import CLIPS, WINDOWS
 from search.hits import Hits
 from search.library import Library
+from search.query.amounts import amounts_of
 from search.query.encoding import encode_queries
 from search.query.filters import FilterArguments
 from search.query.question import EncodedQuestion, Question
@@ -207,7 +208,8 @@ class SnapshotLibrary(Library):
 
     def stale_criterion(self, request: SearchRequest, hits: Hits) -> StaleCriterion:
         """What makes an answer stale: an added clip that scores as much as its last hit, or has its words."""
-        threshold = hits[-1].score - _ROUNDING if len(hits) == request.k else -np.inf
+        by_score = len(hits) == request.k and not any(map(amounts_of, request.question.sentences))
+        threshold = hits[-1].score - _ROUNDING if by_score else -np.inf
         words = words_of(" ".join(request.question.sentences))
         return StaleCriterion(request.question.vectors[0], threshold, tuple(words))
 
