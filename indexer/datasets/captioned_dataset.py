@@ -8,7 +8,8 @@
     stats/humanml3d/guoh3dfeats/{mean,std}.pt        statistics of the features
 
 A folder with `annotations.json` alone, its motions in `motions/` or named apart, is a data set, too; so are BABEL's
-`train.json` and `val.json`, each of which is a split.
+`train.json` and `val.json`, each of which is a split, and HumanML3D and KIT-ML in their own folders: see
+`captioned_texts`.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from pathlib import Path
 
 from encoders.errors import DatasetError, MissingMotion, MissingSplit
 from encoders.features.registry import FeatureKind
+from indexer.datasets.captioned_texts import has_texts, motions_beside_texts, read_text_entries
 from indexer.datasets.motion_folder import MotionFolder
 from indexer.datasets.timed_captions import CaptionedEntry, read_annotations, read_keys
 
@@ -108,6 +110,9 @@ class CaptionedDataset:
         return (self.folder / "splits" / f"{name}.txt").is_file()
 
     def _entries(self, split: str) -> Iterator[CaptionedEntry]:
+        if has_texts(self.folder):
+            yield from read_text_entries(self.folder, split, self.motions.seconds)
+            return
         if not (self.folder / ANNOTATIONS).is_file():
             if split not in _BABEL_SPLITS or not (self.folder / f"{split}.json").is_file():
                 raise MissingSplit(f"{self.folder}: has no split {split!r} ({split}.json)")
@@ -137,8 +142,8 @@ def _annotations_folder(place: Path) -> Path:
     found = [folder for folder in (place, *inside) if _has_annotations(folder)]
     if not found:
         raise DatasetError(
-            f"{place}: holds no data set ({ANNOTATIONS}, annotations/NAME/{ANNOTATIONS}, or BABEL's train.json and "
-            "val.json); see docs/published_models.md"
+            f"{place}: holds no data set ({ANNOTATIONS}, annotations/NAME/{ANNOTATIONS}, BABEL's train.json and "
+            "val.json, or HumanML3D's texts/ and new_joint_vecs/); see docs/published_models.md"
         )
     if len(found) > 1:
         raise DatasetError(f"{place}: holds several data sets; name one: {', '.join(map(str, found))}")
@@ -146,11 +151,15 @@ def _annotations_folder(place: Path) -> Path:
 
 
 def _has_annotations(folder: Path) -> bool:
+    if has_texts(folder):
+        return True
     return (folder / ANNOTATIONS).is_file() or any((folder / f"{split}.json").is_file() for split in _BABEL_SPLITS)
 
 
 def _motion_folder(folder: Path, roots: Sequence[Path], kind: FeatureKind) -> Path:
     """The folder of motions of annotations in `folder`."""
+    if has_texts(folder):
+        return motions_beside_texts(folder, kind)
     if (folder / "motions").is_dir():
         return folder / "motions"
     inside = [path for root in roots[1:] for path in sorted((root / "motions").glob("*/"))]

@@ -81,6 +81,21 @@ class MotionFolder:
         path, mirrored = self._find(entry.path)
         return self._load(path, mirrored)
 
+    def seconds(self, path: str) -> float:
+        """The duration of a whole motion.
+
+        Raises
+        ------
+        MissingMotion, WrongFeatureSize, NotFinite, DatasetError
+            See `clip`.
+        """
+        file, mirrored = self._find(path)
+        if file.suffix == ".npy":
+            array = _mapped(file)
+            if array.ndim == 2 and array.shape[1] == self.kind.size:
+                return len(array) / self.kind.fps
+        return self._load(file, mirrored).duration
+
     def check_rate(self, entries: Sequence[CaptionedEntry]) -> None:
         """Compare the frames of some motions with their durations.
 

@@ -86,16 +86,30 @@ def read_keys(folder: Path, split: str) -> list[str]:
     MissingSplit
         If there is no such list; names those that are there.
     """
-    path = folder / "splits" / f"{split}.txt"
-    try:
-        lines = path.read_text("utf-8").splitlines() if split == PurePosixPath(split).name else None
-    except (OSError, ValueError) as error:
-        if not isinstance(error, FileNotFoundError):
-            raise DatasetError(f"{path}: cannot be read as a list of keys ({_reason(error)})") from error
-        lines = None
-    if lines is None:
+    keys = read_list(folder / "splits", split)
+    if keys is None:
         there = ", ".join(sorted(file.stem for file in (folder / "splits").glob("*.txt"))) or "none"
         raise MissingSplit(f"{folder}: has no split {split!r} (splits/{split}.txt); there: {there}")
+    return keys
+
+
+def read_list(folder: Path, split: str) -> list[str] | None:
+    """The keys that `SPLIT.txt` in a folder lists, each once; None where there is no such file.
+
+    Raises
+    ------
+    DatasetError
+        If it cannot be read.
+    """
+    path = folder / f"{split}.txt"
+    if split != PurePosixPath(split).name:
+        return None
+    try:
+        lines = path.read_text("utf-8").splitlines()
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError) as error:
+        raise DatasetError(f"{path}: cannot be read as a list of keys ({_reason(error)})") from error
     return list(dict.fromkeys(line.strip() for line in lines if line.strip()))
 
 
