@@ -9,6 +9,7 @@ export const SHORTEST = 0.5;
 const LEAST = 12; // seconds that are shown
 const ROOM = 3; // seconds beyond the last sentence
 const STEP = 0.1; // seconds
+const NARROW = 72; // pixels; the ends of a narrower block are moved by keys and the form alone
 const COLOURS = 6;
 
 /**
@@ -71,6 +72,7 @@ export class Line {
       block.style.left = start.style.left = this.#percent(one.start);
       block.style.width = this.#percent(one.end - one.start);
       end.style.left = this.#percent(one.end);
+      start.hidden = end.hidden = !this.held && ((one.end - one.start) / this.span) * this.rows.clientWidth < NARROW;
       this.rows.append(...(block.isConnected ? [] : [block, start, end]));
     });
     for (const id of gone) {
