@@ -31,6 +31,7 @@ from search.moments.across_library import answers_in_candidates, moments_across
 from search.moments.one_motion import clip_answer, moments_of
 from search.moments.queried_motion import QueriedMotion
 from search.query.filters import FilterArguments, Filters, refuse_filters
+from search.query.mixed import WEIGHT, checked_weight, difference_of, mixed
 from search.query.question import EncodedQuestion, Question
 from search.ranking.alignment import RERANKED, rerank_by_alignment
 from search.ranking.answers import Answer, as_hits, checked_strength
@@ -160,6 +161,8 @@ class Library(MarkedLibrary):
         query: str | ArrayLike,
         k: int = 10,
         *,
+        like: Ref | None = None,
+        weight: float = WEIGHT,
         min_strength: str | None = None,
         **filters: Unpack[FilterArguments],
     ) -> Hits:
@@ -171,9 +174,27 @@ class Library(MarkedLibrary):
         ----------
         query : str or array (D,) or (1, D)
             A sentence, or a vector of the model's space, of any length, such as one of `Encoder.encode_texts`.
+        like : optional
+            A motion that they shall be like, too: "like this but slower".
+        weight : float
+            How much of the question is the sentence, 0 to 1; the rest is the motion.
         """
+        if like is not None:
+            return self._search_like(query, like, k, checked_weight(weight), min_strength, self.allowed(**filters))
         question = self.encode(Question.of(query, split_steps=False)) if isinstance(query, str) else self._vector(query)
         return self.search_encoded(question, k, min_strength=min_strength, **filters)
+
+    def _search_like(
+        self, query: str | ArrayLike, like: Ref, k: int, weight: float, min_strength: str | None, allowed: Ids | None
+    ) -> Hits:
+        if not isinstance(query, str):
+            raise ArgumentError("like goes with a sentence, and a vector is given")
+        source, text = self.source(like), difference_of(query)
+        vector = self.bundle.encode_motions([source.cut(*span_of(like, None, None))])[0]
+        question = mixed(self.encode(Question.of(text, split_steps=False)), vector, weight)
+        if source.clip_id >= 0:
+            allowed = np.setdiff1d(self.ids() if allowed is None else allowed, [source.clip_id])
+        return self._clip_hits(question, checked_count(k), checked_strength(min_strength), allowed)
 
     @one_snapshot
     def search_encoded(

@@ -13,6 +13,12 @@ from search.cli.sentence_command import SentenceCommand
 
 @click.command(cls=SentenceCommand)
 @click.argument("sentence")
+@click.option(
+    "--like", metavar="CLIP", help="A file or clip that the clips shall be like, too: 'like this but slower'."
+)
+@click.option(
+    "--weight", type=options.Number(0, 1), help="How much counts SENTENCE, the rest being --like. [default: 0.5]"
+)
 @options.hits
 @options.min_strength
 @options.filters
@@ -23,6 +29,8 @@ from search.cli.sentence_command import SentenceCommand
 @options.as_json
 def search(
     sentence: str,
+    like: str | None,
+    weight: float | None,
     k: int,
     min_strength: str | None,
     export_folder: Path | None,
@@ -40,14 +48,21 @@ def search(
       motionseek search "throws a ball" -k 3 --min-duration 5 --path 'baseball/*'
       motionseek search "sits down" --json | jq '.hits[].path'
       motionseek search "a cartwheel" -k 20 --export cartwheels
+      motionseek search "like this but slower" --like kicks/roundhouse.bvh
     """
     from search.cli import terminal
     from search.cli.progress import working
+    from search.query.mixed import WEIGHT
+    from search.references import find_source
 
+    if weight is not None and like is None:
+        raise click.UsageError("--weight needs --like CLIP")
     options.refuse_export(export_folder, force)
     with options.open_library(folder) as library:
         with working("searching"):
-            found = library.search(sentence, k, min_strength=min_strength, **filters)
+            source = None if like is None else find_source(like, library)
+            share = WEIGHT if weight is None else weight
+            found = library.search(sentence, k, like=source, weight=share, min_strength=min_strength, **filters)
         terminal.hits(found, sentence, library, as_json=as_json, sentences=[sentence])
         terminal.remark([sentence], library.bundle)
         if not found:

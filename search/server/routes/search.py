@@ -11,6 +11,7 @@ from search.hits import Hit
 from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
 from search.query.filters import FilterArguments, refuse_filters
+from search.query.mixed import WEIGHT
 from search.query.question import Question
 from search.ranking.description import describe_motion
 from search.server import response_models
@@ -41,23 +42,34 @@ def routes(state: AppState) -> APIRouter:
     router = APIRouter(prefix="/api", tags=["queries"], default_response_class=Response, responses=ANY)
     library = state.library
 
-    @router.get("/search", responses=ok(response_models.SearchResponse))
+    @router.get("/search", responses=ok(response_models.SearchResponse) | NO_CLIP)
     async def search(
+        request: Request,
         q: Sentence,
         given: FilterParams,
+        like: ClipParam | None = None,
+        weight: Annotated[float, Query(ge=0, le=1, description="How much counts `q`, the rest being `like`.")] = WEIGHT,
         min_strength: StrengthParam = None,
         k: CountParam = 10,
         offset: OffsetParam = 0,
     ) -> Response:
-        """The clips that match a sentence best, each with its best moment."""
+        """The clips that match a sentence best, each with its best moment; with `like`, those like a clip as well."""
+        if like is not None:
+
+            def make() -> JsonAnswer:
+                source, count = state.source(like), offset + k
+                found = library.search(q, count, like=source, weight=weight, min_strength=min_strength, **given)
+                return JsonAnswer(search_document(q, [q], _documents(found[offset:])), found[offset:])
+
+            return bytes_response(await state.cached(_key(request), make))
         key, generation = (q, k, offset, min_strength, tuple(given.items())), library.snapshot.generation
         answer = await state.still_true(library.answer_cache.get(key))
         if answer is None:
             question = await state.encode(Question.of(q, split_steps=False))
-            request = SearchRequest(question, offset + k, given, min_strength)
-            hits = await state.search_batches.submit(request)
+            asked = SearchRequest(question, offset + k, given, min_strength)
+            hits = await state.search_batches.submit(asked)
             answer = JsonAnswer(search_document(q, [q], _documents(hits[offset:])), hits[offset:])
-            library.answer_cache.put(key, answer, library.stale_criterion(request, hits), generation)
+            library.answer_cache.put(key, answer, library.stale_criterion(asked, hits), generation)
         return bytes_response(answer.data)
 
     @router.get("/moments", responses=ok(response_models.MomentsResponse) | NO_CLIP)
