@@ -52,7 +52,7 @@ def search(
     """
     from search.cli import terminal
     from search.cli.progress import working
-    from search.query.mixed import WEIGHT
+    from search.query.mixed import WEIGHT, difference_of
     from search.references import find_source
 
     if weight is not None and like is None:
@@ -64,7 +64,7 @@ def search(
             share = WEIGHT if weight is None else weight
             found = library.search(sentence, k, like=source, weight=share, min_strength=min_strength, **filters)
         terminal.hits(found, sentence, library, as_json=as_json, sentences=[sentence])
-        terminal.remark([sentence], library.bundle)
+        terminal.remark([sentence if like is None else difference_of(sentence)], library.bundle)
         if not found:
             terminal.note(terminal.no_clips(library, filters))
         options.export_hits(found, export_folder, export_format, library=library, force=force)
