@@ -14,6 +14,7 @@ pytestmark = pytest.mark.torch
 
 from encoders.errors import MotionSeekError  # noqa: E402
 from encoders.tmr.model.network import TMR, TMRConfig, TransformerConfig  # noqa: E402
+from encoders.tmr.model.normaliser import Normaliser  # noqa: E402
 from encoders.tmr.training.recipe import Recipe  # noqa: E402
 from search.cli.commands.model.train import initial_model  # noqa: E402
 from search.release import mean_weights  # noqa: E402
@@ -35,7 +36,7 @@ def finished(folder: Path, value: float, network: TMRConfig = NETWORK, deviation
 def test_the_weights_of_several_runs_are_averaged_and_decoders_left_behind(tmp_path: Path) -> None:
     decoding = replace(NETWORK, decoder=TransformerConfig(6, **SMALL))
     runs = [finished(tmp_path / "a", 1.0, decoding), finished(tmp_path / "b", 4.0, step=5)]
-    recipe, weights, steps = mean_weights(runs)
+    recipe, weights, _, steps = mean_weights(runs)
     assert (recipe.network, steps) == (NETWORK, [7, 5])
     assert set(weights) == set(TMR(NETWORK).state_dict())
     assert all(torch.all(tensor == 2.5) for tensor in weights.values())
@@ -55,3 +56,16 @@ def test_a_new_run_may_begin_with_the_mean_of_others(tmp_path: Path) -> None:
     assert np.array_equal(normaliser.std, np.ones(6))
     with pytest.raises(MotionSeekError, match="other networks"):
         initial_model(runs, Recipe(network=replace(NETWORK, latent=8)))
+
+
+def test_a_bundle_that_runs_began_from_counts_as_one_of_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run, bundle = finished(tmp_path / "a", 4.0), tmp_path / "bundle"
+    bundle.mkdir()
+    began = TMR(NETWORK)
+    began.load_state_dict({name: torch.ones_like(tensor) for name, tensor in began.state_dict().items()})
+    monkeypatch.setattr("search.release.restore", lambda folder, network: (began, Normaliser.load(run)))
+    _, weights, _, steps = mean_weights([run, run, bundle])
+    assert steps == [7, 7, 0]
+    assert all(torch.all(tensor == 3.0) for tensor in weights.values())
+    with pytest.raises(MotionSeekError, match="no run"):
+        mean_weights([bundle])

@@ -152,23 +152,23 @@ def initial_model(origins: Sequence[Path], recipe: Recipe) -> tuple[TMR, Normali
     """
     from encoders.tmr.conversion.from_bundle import restore
     from encoders.tmr.model.network import TMR
-    from encoders.tmr.model.normaliser import Normaliser
-    from search.release import mean_weights
+    from search.release import is_run, mean_weights
 
-    if len(origins) == 1 and not (origins[0] / "last.pt").is_file():
+    if len(origins) == 1 and not is_run(origins[0]):
         return restore(origins[0], recipe.network)
     require_runs(origins)
-    known, weights, _ = mean_weights(origins)
+    known, weights, normaliser, _ = mean_weights(origins)
     if known.network != replace(recipe.network, decoder=None):
         raise QueryError(f"{origins[0]}: has other networks than the recipe")
     model = TMR(recipe.network)
     model.load_state_dict(weights, strict=recipe.network.decoder is None)
-    return model, Normaliser.load(origins[0])
+    return model, normaliser
 
 
 def require_runs(folders: Sequence[Path]) -> None:
-    """Exit where a folder holds no finished run."""
-    for run, file in product(folders, ("recipe.json", "last.pt", "normaliser.npz")):
+    """Exit where a folder holds neither a finished run nor a bundle."""
+    runs = [folder for folder in folders if not (folder / "manifest.json").is_file()]
+    for run, file in product(runs, ("recipe.json", "last.pt", "normaliser.npz")):
         if not (run / file).is_file():
             raise click.ClickException(
                 f"{run}: not a finished run, {file} is missing; 'motionseek model train' writes it"
@@ -241,7 +241,7 @@ def release(
 ) -> None:
     """Export a run as the bundle FOLDER: ONNX, weights in 8 bits, calibrated.
 
-    The weights of several runs that began from the same one are averaged.
+    The weights of several runs that began from the same one are averaged, also with the bundle that they began from.
 
     \b
     Examples:
