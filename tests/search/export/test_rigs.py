@@ -91,7 +91,7 @@ def test_a_motion_on_the_rig_of_another_file(name: str, like: str, tmp_path: Pat
     written, given = read_take(tmp_path / "out.bvh"), read_take(tmp_path / "like.bvh")
     assert written.names == given.names
     np.testing.assert_allclose(written.rest, given.rest, atol=1e-4)
-    assert _off(load_motion(tmp_path / "out.bvh"), motion) < 3.0
+    assert _off(load_motion(tmp_path / "out.bvh"), motion) < 3.5  # about 3 cm, as docs/formats.md says
 
 
 def _as_read_from_a_rig(motion: Motion, folder: Path) -> Motion:

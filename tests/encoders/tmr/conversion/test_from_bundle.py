@@ -64,7 +64,8 @@ def test_motions_lie_where_the_bundle_puts_them(tmp_path: Path) -> None:
     features = [np.random.default_rng(i).normal(size=(12 + i, KIND.size)).astype(np.float32) for i in range(3)]
     x, mask = pad([(f - normaliser.mean) / normaliser.std for f in features])
     latent = torch.nn.functional.normalize(model.eval().motion_encoder.mean(x, mask), dim=-1).detach().numpy()
-    np.testing.assert_allclose(latent, bundle.encode_features(features), rtol=0, atol=1e-5)
+    # Where the processor multiplies in int8, what is multiplied is rounded to 8 bits, too.
+    np.testing.assert_allclose(latent, bundle.encode_features(features), rtol=0, atol=5e-3)
 
 
 def test_a_gist_that_the_bundle_lacks_begins_anew(tmp_path: Path) -> None:
