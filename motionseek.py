@@ -52,13 +52,12 @@ from search.compose.timeline import Interval, Timeline
 from search.hits import Hit, Hits, Step
 from search.library import Library
 from search.moments.segments import Segment
+from search.places import open_library as open
 from search.stacks.stacking import Copy
 from search.standalone import describe, moments, segment
 
 __version__ = importlib.metadata.version("motionseek")
 del importlib, motionseek_main
-
-open = Library.open
 
 __all__ = [
     "ArgumentError",

@@ -58,6 +58,9 @@ def simulate(folder: Path, around: Path, count: int, noise: float, seed: int = 0
         )
         db.execute("INSERT INTO settings VALUES ('model', 1)")
         db.execute("UPDATE settings SET value = 1 WHERE key = 'generation'")
+        db.execute(
+            "INSERT OR REPLACE INTO generations VALUES (1, ?)", (seed + 1,)
+        )  # else no index is taken for its own
         db.executemany("INSERT INTO texts(id, text) VALUES (?, ?)", enumerate(sentences, 1))
     for first in range(0, count, _BATCH):
         with schema.transaction(db):

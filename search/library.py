@@ -80,6 +80,9 @@ class Library(MarkedLibrary):
     `LibraryLocked` while another process does.
     """
 
+    #: Whether the poses of the clips are at hand.
+    has_poses = True
+
     def clips(self, sort: str | None = None, **filters: Unpack[FilterArguments]) -> Iterator[Clip]:
         """The clips, read in chunks, so that memory does not grow with the library.
 
@@ -180,21 +183,26 @@ class Library(MarkedLibrary):
             How much of the question is the sentence, 0 to 1; the rest is the motion.
         """
         if like is not None:
-            return self._search_like(query, like, k, checked_weight(weight), min_strength, self.allowed(**filters))
+            return self._search_like(query, like, k, checked_weight(weight), min_strength, filters)
         question = self.encode(Question.of(query, split_steps=False)) if isinstance(query, str) else self._vector(query)
         return self.search_encoded(question, k, min_strength=min_strength, **filters)
 
     def _search_like(
-        self, query: str | ArrayLike, like: Ref, k: int, weight: float, min_strength: str | None, allowed: Ids | None
+        self,
+        query: str | ArrayLike,
+        like: Ref,
+        k: int,
+        weight: float,
+        min_strength: str | None,
+        filters: FilterArguments,
     ) -> Hits:
         if not isinstance(query, str):
             raise ArgumentError("like goes with a sentence, and a vector is given")
         source, text = self.source(like), difference_of(query)
         vector = self.bundle.encode_motions([source.cut(*span_of(like, None, None))])[0]
         question = mixed(self.encode(Question.of(text, split_steps=False)), vector, weight)
-        if source.clip_id >= 0:
-            allowed = np.setdiff1d(self.ids() if allowed is None else allowed, [source.clip_id])
-        return self._clip_hits(question, checked_count(k), checked_strength(min_strength), allowed)
+        library, allowed = self.narrowed(filters, without=source.clip_id)
+        return library._clip_hits(question, checked_count(k), checked_strength(min_strength), allowed)
 
     @one_snapshot
     def search_encoded(
@@ -207,7 +215,8 @@ class Library(MarkedLibrary):
     ) -> Hits:
         """The clips that fit a question that is encoded already; see `search`."""
         k, least = checked_count(k), checked_strength(min_strength)
-        return self._clip_hits(question, k, least, self.allowed(**filters))
+        library, allowed = self.narrowed(filters)
+        return library._clip_hits(question, k, least, allowed)
 
     @one_snapshot
     def moments(
@@ -257,7 +266,8 @@ class Library(MarkedLibrary):
         """The moments that answer a question, in one motion or anywhere in the library; see `moments`."""
         k, least = checked_count(k), checked_strength(min_strength)
         if ref is None:
-            return self._moment_hits(self.encode(question), k, least, self.allowed(**filters))
+            library, allowed = self.narrowed(filters)
+            return library._moment_hits(self.encode(question), k, least, allowed)
         refuse_filters(filters)
         source = self.source(ref, fps=fps, up=up)
         return moments_of(QueriedMotion(self.bundle, source, self.encode(question)), k, least)
@@ -436,15 +446,15 @@ class Library(MarkedLibrary):
         ref
             A reference, or a vector (D,) or (1, D) of the model's space, such as one of `Encoder.encode_motions`.
         """
-        k, moments, allowed = checked_count(k), checked_flag("moments", moments), self.allowed(**filters)
-        least = checked_strength(min_strength)
+        k, moments, least = checked_count(k), checked_flag("moments", moments), checked_strength(min_strength)
+        library, allowed = self.narrowed(filters)
         if isinstance(ref, list) or is_vector(ref):
             if (start, end, fps, up) != (None, None, None, None):
                 raise ArgumentError("start, end, fps and up are for motions, and a vector is given")
             question = self._vector(ref, kind="motion")
             if moments:
-                return self._moment_hits(question, k, least, allowed)
-            return self._clip_hits(question, k, least, allowed)
+                return library._moment_hits(question, k, least, allowed)
+            return library._clip_hits(question, k, least, allowed)
         source, (start, end) = self.source(ref, fps=fps, up=up), checked_span(*span_of(ref, start, end))
         motion = source.comparable_cut(start, end)
         # A span that is a whole clip of the library means the clip; of a file, --start 0 means that it is a cut.
@@ -452,15 +462,15 @@ class Library(MarkedLibrary):
         is_cut = (start, end) != (None, None) and not is_whole_clip
         question = EncodedQuestion(self.bundle.encode_motions([motion]), kind="motion")
         if source.clip_id >= 0:
-            allowed = np.setdiff1d(self.ids() if allowed is None else allowed, [source.clip_id])
+            library, allowed = self.narrowed(filters, without=source.clip_id)
         if moments:
-            return self._moment_hits(question, k, least, allowed)
+            return library._moment_hits(question, k, least, allowed)
         if is_cut:  # most often a part of what it is like
-            return self._clip_hits(question, k, least, allowed, by_window=True)
-        found = best_clips(self, question.vectors[0], max(k, RERANKED), allowed=allowed, whole_share=1.0)
+            return library._clip_hits(question, k, least, allowed, by_window=True)
+        found = best_clips(library, question.vectors[0], max(k, RERANKED), allowed=allowed, whole_share=1.0)
         ranked = rerank_by_alignment(self.bundle, self, motion, found)
         sources = self._sources([score.clip_id for score in ranked])
-        named = [(sources[score.clip_id], score) for score in ranked]
+        named = [(sources[score.clip_id], score) for score in ranked if score.clip_id in sources]
         answers = [Answer(source, s.moment(source.duration), (s.score,)) for source, s in named]
         return as_hits(self.bundle, question, answers, k, least)
 
@@ -513,8 +523,11 @@ class Library(MarkedLibrary):
         """
         from search.compose.composition import compose
 
-        before, allowed = None if after is None else self.source(after).motion, self.allowed(**filters)
-        return compose(timeline, self, samples=samples, seed=seed, after=before, transition=transition, allowed=allowed)
+        before = None if after is None else self.source(after).motion
+        library, allowed = self.narrowed(filters)
+        return compose(
+            timeline, library, samples=samples, seed=seed, after=before, transition=transition, allowed=allowed
+        )
 
     def source(self, ref: Ref, *, fps: float | None = None, up: str | None = None) -> MotionSource:
         """The motion that a reference means, with what the library knows of it."""
@@ -523,6 +536,17 @@ class Library(MarkedLibrary):
     def allowed(self, **filters: Unpack[FilterArguments]) -> Ids | None:
         """The ids of the clips that pass the filters, sorted; None for all."""
         return Filters.of(filters).ids(self)
+
+    def narrowed(self, filters: FilterArguments, *, without: int = -1) -> tuple[Library, Ids | None]:
+        """What is searched where filters are given and one clip is left out: a library, and the ids as of `allowed`."""
+        allowed = self.allowed(**filters)
+        if without < 0:
+            return self, allowed
+        return self, np.setdiff1d(self.ids() if allowed is None else allowed, [without])
+
+    def text_matches(self, sentence: str, allowed: Ids | None) -> Mapping[int, TextMatch]:
+        """The clips that have the words of a sentence in their names, folders, captions, tags or collections."""
+        return text_matches(self, self.bundle, sentence, allowed=allowed)
 
     def _cut(self, ref: Ref, start: float | None, end: float | None, fps: float | None, up: str | None) -> Motion:
         return self.source(ref, fps=fps, up=up).cut(*checked_span(*span_of(ref, start, end)))
@@ -535,7 +559,7 @@ class Library(MarkedLibrary):
         self, question: EncodedQuestion, k: int, least: str | None, allowed: Ids | None, *, by_window: bool = False
     ) -> Hits:
         """With `by_window` clips are ranked by their best window alone."""
-        matches = text_matches(self, self.bundle, " ".join(question.sentences), allowed=allowed)
+        matches = self.text_matches(" ".join(question.sentences), allowed)
 
         def answers() -> Iterator[Answer]:
             if by_window:
@@ -544,19 +568,20 @@ class Library(MarkedLibrary):
                 ranked = self._ranked(question, allowed, matches)
             for batch in batched(ranked, _REFINED):
                 sources = self._sources([score.clip_id for score in batch])
-                for score in batch:
+                for score in (score for score in batch if score.clip_id in sources):
                     motion = QueriedMotion(self.bundle, sources[score.clip_id], question)
                     matched = matches[score.clip_id].places if score.clip_id in matches else ()
                     yield clip_answer(motion, score.score)._replace(matched=matched)
 
-        return as_hits(self.bundle, question, ranked_by_amounts(question, answers()), k, least)
+        ranked = ranked_by_amounts(question, answers()) if self.has_poses else answers()
+        return as_hits(self.bundle, question, ranked, k, least)
 
     def _ranked(
         self, question: EncodedQuestion, allowed: Ids | None, matches: Mapping[int, TextMatch]
     ) -> Iterator[ClipScore]:
         query, encoder = question.vectors[0], self.bundle
         ranked = rank_clips(self, query, allowed=allowed)
-        if isinstance(encoder, TokenEncoder) and len(question.sentences) == 1:
+        if isinstance(encoder, TokenEncoder) and len(question.sentences) == 1 and self.has_poses:
             ranked = rerank_by_tokens(encoder, self, question.sentences[0], ranked)
         if not matches:
             return ranked
@@ -568,7 +593,8 @@ class Library(MarkedLibrary):
             answers = moments_across(self.bundle, self, self._source_of, question, allowed=allowed)
         else:
             answers = answers_in_candidates(self.bundle, self, self._sources, question, allowed=allowed)
-        return as_hits(self.bundle, question, ranked_by_amounts(question, answers), k, least)
+        ranked = ranked_by_amounts(question, answers) if self.has_poses else answers
+        return as_hits(self.bundle, question, ranked, k, least)
 
     def _source_of(self, clip_id: int) -> MotionSource:
         return MotionSource.of_clip(self, self.clip(clip_id))

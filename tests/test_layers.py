@@ -21,11 +21,13 @@ ROOMS = {
         "corpus tmr".split()
     ),
     "indexer": (
-        "take argument_checks part_names read_motion formats rigs vectors store ingest maintenance datasets".split()
+        "take argument_checks part_names read_motion formats rigs vectors store shards ingest maintenance "
+        "datasets".split()
     ),
     "search": (
         "spans hits source references marking translation query ranking moments stacks documents export drawing "
-        "plausibility compose library standalone map evaluate judging generation release server cli".split()
+        "plausibility compose library distant_library milvus_library places standalone map evaluate judging generation "
+        "release server cli".split()
     ),
 }
 #: The rooms of the corpus in the same way.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Iterable, Mapping
+from contextlib import closing
 from os import PathLike
 from pathlib import Path
 
@@ -26,11 +27,16 @@ from indexer.ingest.reencode import model_of, reencode
 from indexer.ingest.scan import walk
 from indexer.ingest.side_files import SideFileChanges
 from indexer.ingest.storing import TRIED_AGAIN, Progress, Summary, Task, read_and_store
+from indexer.shards.in_step import bring_in_step
+from indexer.shards.pose_files import PoseFiles
+from indexer.shards.shard import Shard
 from indexer.store.captions import remove_side_files, stated_options
 from indexer.store.files import INDEXED
 from indexer.store.library_reader import FILE, FOLDER, library_folder
 from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
+from indexer.vectors.milvus.milvus_address import MilvusAddress
+from indexer.vectors.milvus.milvus_collection import MilvusCollection
 
 _NO_FOLDER = "no such folder, so nothing was changed; is its drive connected?"
 
@@ -46,6 +52,9 @@ def index(
     up: str | None = None,
     retry: bool = False,
     rebuild: bool = False,
+    vectors: str | PathLike[str] | None = None,
+    poses: str | PathLike[str] | None = None,
+    shard: str | None = None,
     progress: Progress | None = None,
 ) -> Summary:
     """Bring the library of one or several folders up to date.
@@ -76,6 +85,14 @@ def index(
     rebuild : bool
         Encode all clips and captions again from the stored poses, also with another model than before; see `reencode`.
         Where no model is given and that of the library is not here any more, with the shipped one.
+    vectors : str or path, optional
+        A collection of Milvus, "milvus://HOST:PORT/COLLECTION", or a file of milvus-lite, "NAME.db", that is brought in
+        step with the library; see `indexer.shards.in_step`.
+    poses : str or path, optional
+        With `vectors`: a folder, or an address that fsspec knows, into which the poses go; see `PoseFiles`.
+    shard : str, optional
+        "I/N": only the files of the I-th of N indexers of one archive; see `Shard`. Each needs a library of its own,
+        by default one in the folder's `.motionseek/shards`.
     progress : callable, optional
         See `Progress`.
 
@@ -99,10 +116,16 @@ def index(
     rebuild = checked_flag("rebuild", rebuild)
     if progress is not None and not callable(progress):
         raise ArgumentError(f"progress={progress!r} must be a function")
-    place, folders = _places(roots, library)
+    part = Shard.of(shard)
+    place, folders = _places(roots, library, part)
+    if vectors is None and poses is not None:
+        raise ArgumentError("poses is for the servers of a collection; give vectors, too")
+    collection = None if vectors is None else MilvusAddress.of(vectors)
     if bundle is None:
         bundle = model_of(place, rebuild=rebuild)
     summary = Summary()
+    if collection is not None and not collection.is_file:  # before hours of work
+        _collection(collection, bundle).close()
     if rebuild and (place / FILE).is_file():
         summary.failed += reencode(place, bundle, progress=progress)
     with writing(place) as writer:
@@ -114,7 +137,7 @@ def index(
         tasks: list[Task] = []
         for key, folder in keys.items():
             try:
-                beside[key], changes = _update(writer, folder, key, requested, summary)
+                beside[key], changes = _update(writer, folder, key, requested, summary, part)
             except LibraryError as error:
                 if len(folders) == 1:
                     raise
@@ -122,11 +145,14 @@ def index(
                 continue
             tasks += [Task(folder, source) for source in changes.read]
         read_and_store(writer, bundle, model_id, tasks, jobs or os.cpu_count() or 1, summary, progress)
-        for key in beside:
+        for key in beside if part.is_whole else ():  # tables name the files of all shards
             summary.warnings += side_files.unmatched(writer.connection, keys[key], beside[key])
         encode_captions(writer, bundle, model_id)
     with StoredLibrary.open(place, bundle=bundle) as made:
-        made.prepare()
+        if collection is not None:
+            _send(made, bundle, collection, part, poses, summary)
+        else:
+            made.prepare()
         if made.indexes.unsaved:
             summary.warnings.append(
                 f"{made.folder / 'vectors'}: cannot be written ({made.indexes.unsaved}), which makes "
@@ -136,8 +162,31 @@ def index(
     return summary
 
 
+def _send(
+    library: StoredLibrary,
+    model: Encoder,
+    address: MilvusAddress,
+    shard: Shard,
+    poses: str | PathLike[str] | None,
+    summary: Summary,
+) -> None:
+    """Bring a collection in step; nothing is removed from it after a run that has not seen all files."""
+    complete = not summary.interrupted and not any(
+        reason.endswith(TRIED_AGAIN) or reason == _NO_FOLDER for _, reason in summary.failed
+    )
+    place = None if poses is None else PoseFiles(poses)
+    with closing(_collection(address, model)) as collection:
+        sent = bring_in_step(library, collection, shard, poses=place, complete=complete)
+    summary.sent, summary.withdrawn = sent.put, sent.removed
+    summary.failed += [(path, f"is not in {address}: {reason}") for path, reason in sent.refused]
+
+
+def _collection(address: MilvusAddress, model: Encoder) -> MilvusCollection:
+    return MilvusCollection(address, create=(model.fingerprint, model.name, model.latent_size))
+
+
 def _places(
-    roots: str | PathLike[str] | Iterable[str | PathLike[str]], library: str | PathLike[str] | None
+    roots: str | PathLike[str] | Iterable[str | PathLike[str]], library: str | PathLike[str] | None, shard: Shard
 ) -> tuple[Path, list[Path]]:
     """The library folder and the folders to index."""
     given = _paths(roots)
@@ -145,8 +194,11 @@ def _places(
         raise ArgumentError("roots=[] needs a folder to index, or library=DIR whose folders are meant")
     if library is None and len(given) != 1:
         raise LibraryError(f"{len(given)} folders need one library; name its folder (library=, --library)")
-    place = given[0] / FOLDER if library is None else checked_path("library", library)
-    place = library_folder(given[0] if library is None else place) or place
+    if library is None and not shard.is_whole:
+        place = given[0] / FOLDER / "shards" / str(shard.number)
+    else:
+        place = given[0] / FOLDER if library is None else checked_path("library", library)
+        place = library_folder(given[0] if library is None else place) or place
     if not given:
         with StoredLibrary.open(place) as known:
             given = list(known.roots)
@@ -169,7 +221,7 @@ def _paths(roots: str | PathLike[str] | Iterable[str | PathLike[str]]) -> list[P
 
 
 def _update(
-    writer: Writer, root: Path, root_id: int, requested: RequestedOptions, summary: Summary
+    writer: Writer, root: Path, root_id: int, requested: RequestedOptions, summary: Summary, shard: Shard
 ) -> tuple[SideFileChanges, Changes]:
     """Walk one folder and record captions, moves and losses; what is to be read is among what is returned."""
     try:
@@ -179,10 +231,10 @@ def _update(
     holds_files = any(folder.files for folder in scan.folders) or scan.unread
     if not holds_files and not writer.folder.is_relative_to(root) and writer.known(root_id):
         raise LibraryError(f"{root}: is empty, so nothing was changed; is its drive connected?")
-    motions = {folder.path: folder.motions() for folder in scan.folders}
+    motions = {folder.path: [file for file in folder.motions() if shard.has(file.path)] for folder in scan.folders}
     found_beside = [pair for folder in scan.folders for pair in folder.side_files(motions[folder.path])]
     sets = published(scan.folders)
-    found_beside += sets.texts
+    found_beside += [(file, about) for file, about in sets.texts if any(map(shard.has, about))]
     found = [file for files in motions.values() for file in files if file.path not in sets.passed_over]
     with writer.batch():
         beside = side_files.update(

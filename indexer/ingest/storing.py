@@ -46,6 +46,8 @@ class Summary:
         What was left out, mended or taken for granted in the clips that were read.
     interrupted : bool
         Whether Ctrl-C ended the run early; what was committed is kept.
+    sent, withdrawn : int
+        Clips put into a collection of Milvus, and removed from it.
     """
 
     indexed: int = 0
@@ -58,6 +60,8 @@ class Summary:
     warnings: list[str] = field(default_factory=list)
     reading_warnings: list[tuple[str, str]] = field(default_factory=list)
     interrupted: bool = False
+    sent: int = 0
+    withdrawn: int = 0
 
 
 @dataclass(frozen=True)

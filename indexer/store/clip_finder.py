@@ -58,6 +58,11 @@ class ClipFinder(LibraryReader):
         """The names of the indexed folders, unique in this library, in the order of `roots`."""
         return [name for _, name in self._folders()]
 
+    @property
+    def all_root_names(self) -> list[str]:
+        """The names of all roots, that of clips added as arrays among them."""
+        return [*root_names(self._roots()).values()]
+
     def _folders(self) -> list[tuple[Path, str]]:
         """The indexed folders with their names; the root of clips added as arrays is none."""
         roots, arrays = self._roots(), (self.folder / ARRAYS_ROOT).resolve()

@@ -162,17 +162,20 @@ class StoredLibrary(ClipFinder):
             )
         first = min(round(start * FPS), clip.frames - 1)
         last = max(round(end * FPS), first + 1)
-        rows = self.connection.execute(
-            "SELECT data FROM poses WHERE clip_id = ? AND chunk BETWEEN ? AND ? ORDER BY chunk",
-            (clip.id, first // poses.CHUNK, (last - 1) // poses.CHUNK),
-        )
-        joints = [poses.unpack(data) for (data,) in rows]
+        joints = [*map(poses.unpack, self.pose_chunks(clip.id, first // poses.CHUNK, (last - 1) // poses.CHUNK))]
         skipped = first // poses.CHUNK * poses.CHUNK
         if sum(map(len, joints)) < last - skipped:
             raise LibraryDamaged(
                 f"{clip.path}: stored poses are incomplete; motionseek check --repair reads the file again"
             )
         return Motion(np.concatenate(joints)[first - skipped : last - skipped], FPS)
+
+    def pose_chunks(self, id: int, first: int, last: int) -> list[bytes]:
+        """The stored poses of a clip from one chunk to another; see `indexer.store.poses`."""
+        rows = self.connection.execute(
+            "SELECT data FROM poses WHERE clip_id = ? AND chunk BETWEEN ? AND ? ORDER BY chunk", (id, first, last)
+        )
+        return [data for (data,) in rows]
 
     @one_snapshot
     def captions(self, id: int) -> list[Caption]:

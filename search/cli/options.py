@@ -68,11 +68,22 @@ def min_strength(command: F) -> F:
     return least(all_of_them(command))
 
 
+class LibraryPlace(click.Path):
+    """A folder that exists, or the address of a collection of Milvus."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        from indexer.vectors.milvus.milvus_address import is_milvus_address
+
+        return value if is_milvus_address(value) else super().convert(value, param, ctx)
+
+
 library = click.option(
     "--library",
     "folder",
-    type=click.Path(exists=True, file_okay=False),
-    help="Library folder. [default: MOTIONSEEK_LIBRARY, or the nearest .motionseek here or in a parent folder]",
+    metavar="PLACE",
+    type=LibraryPlace(exists=True, file_okay=False),
+    help="Library folder, or milvus://HOST:PORT/NAME. "
+    "[default: MOTIONSEEK_LIBRARY, or the nearest .motionseek here or in a parent folder]",
 )
 export = click.option(
     "--export",
@@ -162,6 +173,8 @@ def library_of(place: str | None, folder: str | None) -> Path:
     from search.cli.locate import locate
 
     given = locate(one_of(place, folder))
+    if isinstance(given, str):
+        raise LibraryNotFound(f"{given}: this needs a library in a folder; a collection has only what it puts there")
     found = library_folder(given)
     if found is None:
         raise LibraryNotFound(f"{given}: no library here; make one with 'motionseek index {given}'")
@@ -170,10 +183,11 @@ def library_of(place: str | None, folder: str | None) -> Path:
 
 def open_library(folder: str | None) -> Library:
     """Open the library of a command; see `search.cli.locate.locate`."""
-    from search.cli.locate import locate
-    from search.library import Library
+    from search.cli.locate import locate, poses_of
+    from search.places import open_library as opened
 
-    return Library.open(locate(folder))
+    place = locate(folder)
+    return opened(place, poses=poses_of(place))
 
 
 def names_clip(text: str, folder: str | None) -> bool:

@@ -53,6 +53,7 @@ export class Plane {
       if (turn !== this.shown) return;
       this.points.passing = Uint8Array.from(data.clips, (clip) => Number(!clips || clips.has(clip)));
       byId("map-note").textContent = data.clips.length ? "" : "The library is empty. Add clips with: motionseek index FOLDER";
+      byId("map-sample").textContent = data.clips.length < data.total ? `A sample of ${data.clips.length.toLocaleString("en")} of ${data.total.toLocaleString("en")} clips` : "";
       this.#select(this.points.where((i) => this.selected.has(i)), this.label);
       await this.#showHits(state, await hits, turn);
     } catch (error) {

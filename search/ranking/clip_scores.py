@@ -109,6 +109,7 @@ def rank_clips(
     if len(library) == 0 or (allowed is not None and len(allowed) == 0):
         return
     scored: set[int] = set()
+    at_once = getattr(library, "scored_at_once", _SCORED_AT_ONCE)
     waiting: list[tuple[float, int]] = []  # a heap of scores, negated, and clips
     factor = 1
     while True:
@@ -118,13 +119,14 @@ def rank_clips(
         ids, most, most_of_others = _upper_bounds(near, windows, whole_share)
         new = ~np.isin(ids, list(scored))
         ids, most = ids[new], np.append(most[new], most_of_others)
-        for first in range(0, len(ids) + 1, _SCORED_AT_ONCE):
-            some = np.sort(ids[first : first + _SCORED_AT_ONCE])
+        for first in range(0, len(ids) + 1, at_once):
+            some = np.sort(ids[first : first + at_once])
             scored.update(some.tolist())
-            scores = clip_scores(query[None], *library.vectors_of(some), whole_share)[0]
-            for score, clip in zip(scores.tolist(), some.tolist(), strict=True):
+            clips, of_clips = library.vectors_of(some)
+            scores = clip_scores(query[None], clips, of_clips, whole_share)[0]
+            for score, clip in zip(scores.tolist(), np.sort(clips.owners).tolist(), strict=True):
                 heappush(waiting, (-score, clip))
-            bound = max(float(most[first + _SCORED_AT_ONCE :].max(initial=-np.inf)), most_of_others)
+            bound = max(float(most[first + at_once :].max(initial=-np.inf)), most_of_others)
             while waiting and -waiting[0][0] > bound:
                 score, clip = heappop(waiting)
                 yield ClipScore(clip, -score)
@@ -295,11 +297,12 @@ def _without_overlap(
     """The windows that overlap none of those given and no better one, best first."""
     # One time line for all clips, far enough apart that spans of different clips never overlap.
     length = float(max([ends.max(initial=0.0), *(e.end or 0.0 for e in given)])) + 1.0
-    shifts = ids.astype(np.float64) * length
+    clips = np.unique([*ids.tolist(), *(e.clip_id for e in given)])  # numbers may be too large to multiply
+    shifts = np.searchsorted(clips, ids) * length
     begin, end = starts + shifts, ends + shifts
     free = np.ones(len(ids), bool)
     for e in given:
-        shift = e.clip_id * length
+        shift = float(np.searchsorted(clips, e.clip_id)) * length
         free &= temporal_iou(begin, end, (e.start or 0.0) + shift, (e.end or 0.0) + shift) <= MAX_OVERLAP
     left = np.flatnonzero(free)
     value = length_adjusted(scores[left], (ends - starts)[left], WINDOW_BONUS)

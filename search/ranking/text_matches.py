@@ -46,6 +46,11 @@ class TextMatch:
     bonus: float
 
 
+def called_so() -> TextMatch:
+    """The match of a clip that is called as the question."""
+    return TextMatch((NAME,), _CALLED)
+
+
 def words_of(sentence: str) -> list[str]:
     """The words of a question that names may have: no articles, no subject."""
     terms = [term.strip("\"'()[]*") for term in _TERM.findall(sentence)]

@@ -15,13 +15,13 @@ from search.server.parameters import known_parameters
 from search.server.prometheus import MetricsMiddleware
 from search.server.routes import composing, health, library, motions, search, shelf, uploads
 from search.server.security import SecurityMiddleware
-from search.server.snapshot_library import SnapshotLibrary
+from search.server.served.served_library import ServedLibrary
 from search.server.static_page import StaticPage
 from search.server.uploads.upload_store import UploadLimits
 
 
 def create_app(
-    served: SnapshotLibrary,
+    served: ServedLibrary,
     *,
     host: str = "127.0.0.1",
     names: Iterable[str] = (),

@@ -19,7 +19,7 @@ from search.server.lru_cache import LruCache
 from search.server.microbatching import MicroBatcher, ServerBusy
 from search.server.prometheus import Metrics
 from search.server.responses import JsonAnswer
-from search.server.snapshot_library import SearchRequest, SnapshotLibrary
+from search.server.served.served_library import SearchRequest, ServedLibrary
 from search.server.uploads.upload_store import Upload, UploadLimits, UploadStore
 from search.source import MotionSource
 
@@ -35,7 +35,7 @@ _CACHED_RESPONSES = 4096
 class AppState:
     """The state of one server."""
 
-    def __init__(self, library: SnapshotLibrary, limits: UploadLimits | None = None, *, edit: bool = False) -> None:
+    def __init__(self, library: ServedLibrary, limits: UploadLimits | None = None, *, edit: bool = False) -> None:
         self.edit = edit
         self.library = library
         self.uploads = UploadStore(limits)

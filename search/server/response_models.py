@@ -159,6 +159,7 @@ class MapResponse(BaseModel):
     y: list[float] = Field(description="0 to 1")
     labels: list[str]
     label: list[int]
+    total: int = Field(description="Clips of the library, of which those above may be a sample")
 
 
 class FacetValue(BaseModel):

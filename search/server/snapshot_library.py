@@ -26,25 +26,20 @@ from indexer.store.marks.marks_table import Marks
 from indexer.vectors.blocks import IndexRows
 from indexer.vectors.faiss_index import FaissIndex
 from indexer.vectors.library_indexes import CLIPS, WINDOWS
-from search.hits import Hits
-from search.library import Library
-from search.query.amounts import amounts_of
-from search.query.encoding import encode_queries
 from search.query.filters import FilterArguments
-from search.query.question import EncodedQuestion, Question
 from search.ranking.clip_scores import highest_scores
-from search.ranking.text_matches import words_of
+from search.ranking.variety import varied
 from search.server.added_text import AddedText
-from search.server.answer_cache import AnswerCache, StaleCriterion
 from search.server.lru_cache import LruCache
+from search.server.served.served_library import ServedLibrary
 
 Ids = NDArray[np.int64]
 Vectors = NDArray[np.float32]
 
+#: Clips that the map shows: with more, it would take longer to send than to look at.
+_ON_MAP = 100_000
 #: Seconds between two checks for changes on disk.
 _POLL_SECONDS = 0.5
-#: By how much a score may differ between two orders of summation.
-_ROUNDING = 1e-5
 #: How often a question waits for the library to be caught up with before it reads what it needs for itself.
 _ATTEMPTS = 3
 _CHANGED = "SELECT id FROM clips WHERE generation > ?"
@@ -64,50 +59,25 @@ class Snapshot:
     marks: int
 
 
-@dataclass(frozen=True)
-class SearchRequest:
-    """A search of the whole library.
-
-    Attributes
-    ----------
-    question : EncodedQuestion
-    k : int
-        The number of hits, at most.
-    filters : FilterArguments
-    least : str or None
-        The least strength of a hit; see `search.ranking.answers.as_hits`.
-    """
-
-    question: EncodedQuestion
-    k: int
-    filters: FilterArguments
-    least: str | None = None
-
-
-class SnapshotLibrary(Library):
-    """A `Library` for a server. Safe to share between threads."""
+class SnapshotLibrary(ServedLibrary):
+    """A library on disk for a server. Safe to share between threads."""
 
     def __init__(self, folder: Path, *, bundle: Encoder | None = None) -> None:
         super().__init__(folder, bundle=bundle)
         self._error: MotionSeekError | None = None
-        self._query_cache: LruCache[Vectors] = LruCache(16_384)
         self._id_cache: LruCache[Ids] = LruCache(64)
         self._clip_cache: LruCache[Clip] = LruCache(20_000)
         self._caption_cache: LruCache[list[Caption]] = LruCache(20_000)
         self._mark_cache: LruCache[Marks] = LruCache(20_000)
         with super().reading():
             self._snapshot = self._take_snapshot()
-        self.answer_cache = AnswerCache(self._snapshot.generation)
+        self.answer_cache.clear(self._snapshot.generation)
         self._refreshing, self._caching = threading.Lock(), threading.Lock()
         self._stop = threading.Event()
         self._watcher = threading.Thread(target=self._watch, daemon=True, name="library refresh")
 
-    def warm(self) -> None:
-        """Load the model and search once, so that the first request does not wait for it."""
-        self.search("a person walks", 1)
-
     def start(self) -> None:
-        """Start the thread that watches for changes on disk."""
+        """See `ServedLibrary.start`."""
         self._watcher.start()
 
     def close(self) -> None:
@@ -168,7 +138,7 @@ class SnapshotLibrary(Library):
         )
 
     def refresh(self) -> bool:
-        """Catch up with the library on disk; whether it has changed."""
+        """See `ServedLibrary.refresh`."""
         with self._refreshing:
             try:
                 with super().reading():
@@ -205,13 +175,6 @@ class SnapshotLibrary(Library):
             for cache in caches:
                 cache.clear()
         self.answer_cache.clear(new.generation)
-
-    def stale_criterion(self, request: SearchRequest, hits: Hits) -> StaleCriterion:
-        """What makes an answer stale: an added clip that scores as much as its last hit, or has its words."""
-        by_score = len(hits) == request.k and not any(map(amounts_of, request.question.sentences))
-        threshold = hits[-1].score - _ROUNDING if by_score else -np.inf
-        words = words_of(" ".join(request.question.sentences))
-        return StaleCriterion(request.question.vectors[0], threshold, tuple(words))
 
     def _take_snapshot(self) -> Snapshot:
         clips, windows = (self.indexes.current(kind, self.connection, serving=True) for kind in (CLIPS, WINDOWS))
@@ -272,32 +235,25 @@ class SnapshotLibrary(Library):
         key = (self.snapshot.marks, int(id))
         return self._mark_cache.get_or(key, lambda: super(SnapshotLibrary, self).marks(id))
 
-    def is_encoded(self, sentence: str) -> bool:
-        """Whether the query vector of a sentence is cached."""
-        return self._query_cache.get(sentence) is not None
+    def page(
+        self, filters: FilterArguments, first: int, count: int, seed: int | None = None, sort: str | None = None
+    ) -> tuple[int, list[Clip]]:
+        """See `ServedLibrary.page`; else in order of their numbers."""
+        allowed = self.allowed(**filters)
+        ids = self.ids() if allowed is None else allowed
+        if sort is not None:
+            ids = self.sorted_among(sort, allowed)
+        elif seed is not None:
+            rows = self.snapshot.clips.rows
+            passing = np.flatnonzero(np.isin(rows.owners, ids))
+            ids = rows.owners[passing[varied(rows.vectors[passing], seed)]]
+        return len(ids), list(self.clips_by_id(ids[first : first + count].tolist()).values())
 
-    def encode(self, question: Question) -> EncodedQuestion:
-        """See `Library.encode`."""
-        return EncodedQuestion(np.stack(self.encode_all(question.sentences)), question.sentences, question.how)
-
-    def encode_all(self, sentences: Sequence[str]) -> list[Vectors]:
-        """Query vectors (D,) of sentences; those that are not cached are encoded in one batch."""
-        cached = {sentence: self._query_cache.get(sentence) for sentence in sentences}
-        new = [sentence for sentence, vector in cached.items() if vector is None]
-        encoded = dict(zip(new, encode_queries(self.bundle, new), strict=True)) if new else {}
-        for sentence, vector in encoded.items():
-            self._query_cache.put(sentence, vector)
-        found = encoded | {sentence: vector for sentence, vector in cached.items() if vector is not None}
-        return [found[sentence] for sentence in sentences]
-
-    def search_all(self, requests: Sequence[SearchRequest]) -> list[Hits | Exception]:
-        """The hits of each request, or the exception that `search` would raise."""
-        return [self._hits_or_error(request) for request in requests]
-
-    def _hits_or_error(self, request: SearchRequest) -> Hits | Exception:
-        try:
-            with self.reading():
-                self.snapshot  # noqa: B018  raises where the library cannot be searched
-                return self.search_encoded(request.question, request.k, min_strength=request.least, **request.filters)
-        except Exception as error:
-            return error
+    def clips_of_map(self) -> IndexRows:
+        """See `ServedLibrary.clips_of_map`: all of them, or a sample where there are very many."""
+        rows = self.snapshot.clips.rows
+        if len(rows) <= _ON_MAP:
+            return rows
+        chosen = np.zeros(len(rows), np.bool_)
+        chosen[np.random.default_rng(0).choice(len(rows), _ON_MAP, replace=False)] = True
+        return rows[chosen]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from encoders.errors import MotionSeekError
+from encoders.errors import MotionSeekError, QueryError
 from indexer.store.stored_library import StoredLibrary
 from search.stacks.stacking import Copy, stacks
 
@@ -46,6 +46,8 @@ class BackgroundStacks:
 
         try:
             found = stacks(self._library, progress)
+        except QueryError:  # a library that has none to be found
+            found = []
         except MotionSeekError:  # closed or removed meanwhile: asked for again, it is tried again
             return
         self._found = generation, found

@@ -6,7 +6,7 @@ Three partitions have rows of one form. "clips" has a row a clip, its vector as 
 Milvus has no transactions. So a clip is what its one row says: windows name the version of the clip that they belong
 to, and those of another version are not there for readers. What changes a clip writes its new windows first, then its
 row, and removes the old windows last. Ended anywhere, it leaves the old clip or the new one, and at most windows that
-nobody sees and the next run removes.
+nobody sees and the next run of that library removes.
 """
 
 from __future__ import annotations
@@ -163,12 +163,17 @@ class MilvusCollection:
         return int.from_bytes(blake2b(repr(written).encode(), digest_size=6).digest(), "little")
 
     def summaries(self) -> list[Row]:
-        """What each library that writes here says of itself."""
-        return [row["document"]["summary"] for row in self._state() if row["key"] != _ABOUT]
+        """What each library that writes here says of itself, the last one that did so last."""
+        said = [row["document"] for row in self._state() if row["key"] != _ABOUT]
+        return [document["summary"] for document in sorted(said, key=lambda document: document["written"])]
 
-    def record_run(self, library: str, summary: Row) -> None:
-        """Say that a library has written; caches of readers are stale from now on."""
-        self._write_state(library, {"written": f"{time.time_ns():x}", "summary": summary})
+    def was_cut_off(self, library: str) -> bool:
+        """Whether the last run of a library has begun to write and not ended."""
+        return any(row["document"].get("open", False) for row in self._state() if row["key"] == library)
+
+    def record_run(self, library: str, summary: Row, *, is_open: bool = False) -> None:
+        """Say that a library has written, or is about to; caches of readers are stale from now on."""
+        self._write_state(library, {"written": f"{time.time_ns():x}", "summary": summary, "open": is_open})
 
     def count(self, part: str, condition: str = "") -> int:
         """How many rows of a partition meet a condition."""
@@ -193,6 +198,12 @@ class MilvusCollection:
                 yield from rows
         finally:
             self._server.guarded(iterator.close)
+
+    def rows_of(self, part: str, clips: Sequence[int]) -> list[Row]:
+        """The spans, lengths and vectors of all rows of some clips, with their versions."""
+        asked, fields = among("clip", clips), ("clip", "version", "start", "end", "length", "vector")
+        rows = self.rows(part, asked, fields)
+        return rows if len(rows) < MOST_ROWS else list(self.all_rows(part, asked, fields))
 
     def versions(self, clips: Sequence[int], *, strong: bool = False) -> dict[int, Row]:
         """Of clips that are there: clip -> its version, root and path."""
@@ -221,13 +232,12 @@ class MilvusCollection:
     def put(self, clips: Sequence[StoredClip]) -> list[StoredClip]:
         """Store clips in place of those of the same number; the ones that another clip's number forbids to store."""
         before = self.versions([clip.fields["clip"] for clip in clips], strong=True)
-
-        def is_another(clip: StoredClip) -> bool:
-            held = before.get(clip.fields["clip"])
-            return held is not None and (held["root"], held["path"]) != (clip.fields["root"], clip.fields["path"])
-
-        refused = [clip for clip in clips if is_another(clip)]
-        stored = [clip for clip in clips if not is_another(clip)]
+        held = {number: (row["root"], row["path"]) for number, row in before.items()}
+        stored: list[StoredClip] = []
+        refused: list[StoredClip] = []
+        for clip in clips:
+            own = clip.fields["root"], clip.fields["path"]
+            (stored if held.setdefault(clip.fields["clip"], own) == own else refused).append(clip)
         self._upsert(WINDOWS, (row for clip in stored for row in clip.window_rows()))
         self._upsert(CLIPS, (clip.clip_row() for clip in stored))
         replaced = [clip for clip in stored if clip.fields["clip"] in before]
@@ -330,7 +340,7 @@ class MilvusCollection:
 
         def parameters(k: int) -> Row:
             if kind.startswith("HNSW"):
-                return {"ef": min(max(2 * k, 128), MOST_ROWS * 2)}
+                return {"ef": max(2 * k, 512)}  # 128 miss a fifth: benchmarks/growth.py
             return {"nprobe": 64} if kind.startswith("IVF") else {}
 
         return parameters

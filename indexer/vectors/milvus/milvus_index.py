@@ -76,21 +76,24 @@ class MilvusIndex:
         wanted = np.unique(owners).tolist()
         if not wanted:
             return IndexRows.none(self._collection.size)
-        fields = ("clip", "version", "start", "end", "length", "vector")
-        rows = self._collection.rows(self._part, among("clip", wanted), fields)
-        if len(rows) == MOST_ROWS:
-            rows = list(self._collection.all_rows(self._part, among("clip", wanted), fields))
+        rows = self._collection.rows_of(self._part, wanted)
         (rows,) = self._present([rows])
-        rows.sort(key=lambda row: (row["clip"], row["length"], row["start"]))
-        if not rows:
-            return IndexRows.none(self._collection.size)
-        return IndexRows(
-            np.array([row["clip"] for row in rows], np.int64),
-            np.array([(row["start"], row["end"]) for row in rows], np.float32),
-            np.array([row["vector"] for row in rows], np.float16),
-        )
+        return as_index_rows(rows, self._collection.size)
+
+
+def as_index_rows(rows: list[Row], size: int) -> IndexRows:
+    """Rows as arrays, in order of clips, lengths and starts."""
+    if not rows:
+        return IndexRows.none(size)
+    rows = sorted(rows, key=lambda row: (row["clip"], row["length"], row["start"]))
+    return IndexRows(
+        np.array([row["clip"] for row in rows], np.int64),
+        np.array([(row["start"], row["end"]) for row in rows], np.float32),
+        np.array([row["vector"] for row in rows], np.float16),
+    )
 
 
 def _is_of(versions: dict[int, Row], row: Row) -> bool:
+    """Whether a window is of its clip as it is."""
     clip = versions.get(row["clip"])
     return clip is not None and clip["version"] == row["version"]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import logging
 import re
+import threading
+from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -18,6 +20,9 @@ _CONNECTING = 10.0
 #: The oldest Milvus that has all that is asked of it, and the oldest milvus-lite.
 _OLDEST, _OLDEST_LITE = (2, 4), (3, 0)
 _VERSION = re.compile(r"(\d+)\.(\d+)")
+#: How many have each file open in this process.
+_users: Counter[str] = Counter()
+_lock = threading.Lock()
 
 
 class MilvusServer:
@@ -38,7 +43,7 @@ class MilvusServer:
     """
 
     def __init__(self, address: MilvusAddress, *, timeout: float = TIMEOUT) -> None:
-        self.address, self._timeout = address, timeout
+        self.address, self._timeout, self._closed = address, timeout, False
         try:
             import pymilvus
         except ImportError:
@@ -54,6 +59,8 @@ class MilvusServer:
         except self._failures as error:
             raise self._cause(error, "cannot be reached") from error
         self.is_lite = "lite" in version
+        with _lock:
+            _users[address.uri] += 1
         self._check(version)
 
     def _check(self, version: str) -> None:
@@ -85,12 +92,19 @@ class MilvusServer:
             raise self._cause(error, f"{what} failed") from error
 
     def close(self) -> None:
-        """End the connection; a file is free for other processes then."""
+        """End the connection; a file is free for other processes when its last one in this process has ended."""
+        if self._closed:
+            return
+        self._closed = True
         self._client.close()
-        if self.address.is_file:
-            from milvus_lite.server_manager import server_manager_instance
+        if not self.address.is_file:
+            return
+        from milvus_lite.server_manager import server_manager_instance
 
-            server_manager_instance.release_server(self.address.uri)
+        with _lock:
+            _users[self.address.uri] -= 1
+            if not _users[self.address.uri]:
+                server_manager_instance.release_server(self.address.uri)
 
     def _cause(self, error: Exception, what: str) -> LibraryError:
         said = " ".join(str(getattr(error, "message", "") or error).split())

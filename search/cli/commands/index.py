@@ -43,6 +43,13 @@ _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 )
 @options.model
 @click.option("--retry", is_flag=True, help="Read files that failed before again.")
+@click.option(
+    "--vectors",
+    metavar="milvus://HOST:PORT/NAME",
+    help="Also keep a collection of Milvus in step, or a file of milvus-lite (NAME.db), for servers elsewhere.",
+)
+@click.option("--poses", metavar="PLACE", help="With --vectors: put the poses into a folder, or s3://... and the like.")
+@click.option("--shard", metavar="I/N", help="Only the files of the I-th of N indexers of one archive.")
 @click.option("--watch", is_flag=True, help="Go on: index again whenever a file in FOLDER changes, until Ctrl-C.")
 @options.as_json
 def index(
@@ -55,6 +62,9 @@ def index(
     rebuild: bool,
     model: str | None,
     retry: bool,
+    vectors: str | None,
+    poses: str | None,
+    shard: str | None,
     watch: bool,
     as_json: bool,
 ) -> int:
@@ -71,6 +81,7 @@ def index(
       motionseek index old_rigs/ --joint-map names.json --retry
       motionseek index my_mocap/ --rebuild --model tmr-humanml3d
       motionseek index my_mocap/ --watch
+      motionseek index archive/ --shard 2/8 --vectors milvus://10.0.0.5/mocap
     """
     from encoders.bundle.known_models import load_model
     from indexer.ingest import indexing
@@ -101,6 +112,9 @@ def index(
                 joint_map=names,
                 retry=retry,
                 rebuild=rebuild,
+                vectors=vectors,
+                poses=poses,
+                shard=shard,
                 progress=progress,
             )
         if as_json:
@@ -187,6 +201,8 @@ def report(summary: Summary, place: str) -> None:
         "gone": summary.gone,
         "failed": len(summary.failed),
         "failed before": summary.failed_before,
+        "clips sent": summary.sent,
+        "clips withdrawn": summary.withdrawn,
     }
     nothing = "nothing indexed" if summary.interrupted else "no motion files found"
     said = ", ".join(f"{count} {name}" for name, count in counts.items() if count) or nothing

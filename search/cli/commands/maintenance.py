@@ -16,9 +16,21 @@ if TYPE_CHECKING:
 @click.argument("place", metavar="[FOLDER]", required=False, type=click.Path(exists=True, file_okay=False))
 @click.option("--repair", is_flag=True, help="Mend what can be made again, from the poses or from the files.")
 @click.option("--sources", is_flag=True, help="Also read every source file, and name those that have changed or gone.")
+@click.option("--vectors", metavar="milvus://HOST:PORT/NAME", help="Also check the collection that the library fills.")
+@click.option("--poses", metavar="PLACE", help="With --vectors --repair: where its poses are put.")
+@click.option("--shard", metavar="I/N", help="With --vectors: the shard that the library was indexed as.")
 @options.library
 @options.as_json
-def check(place: str | None, repair: bool, sources: bool, folder: str | None, as_json: bool) -> int:
+def check(
+    place: str | None,
+    repair: bool,
+    sources: bool,
+    vectors: str | None,
+    poses: str | None,
+    shard: str | None,
+    folder: str | None,
+    as_json: bool,
+) -> int:
     """Check the library of FOLDER: all that it holds against what was written.
 
     Without FOLDER, checks the nearest library here or in a parent folder. The exit code is 1 if anything is wrong, or
@@ -28,6 +40,7 @@ def check(place: str | None, repair: bool, sources: bool, folder: str | None, as
     Examples:
       motionseek check my_mocap/
       motionseek check my_mocap/ --repair
+      motionseek check my_mocap/ --repair --vectors milvus://10.0.0.5/mocap
     """
     from indexer.ingest.reencode import model_of
     from indexer.maintenance import check as checks
@@ -35,16 +48,25 @@ def check(place: str | None, repair: bool, sources: bool, folder: str | None, as
     from search.cli import terminal
     from search.cli.progress import progress_bar, working
 
+    if vectors is None and (poses is not None or shard is not None):
+        raise click.UsageError("--poses and --shard are for --vectors")
     library = options.library_of(place, folder)
     with working("checking"):
         found = checks.check(library, sources=sources)
-    faults = found.faults
+    faults = list(found.faults)
     if repair:
         with progress_bar("clips") as progress:
             faults = mend(library, model_of(library, rebuild=True), progress=progress)
         if sources:
             with working("checking again"):
                 faults += checks.check(library, sources=True).faults
+    if vectors is not None:
+        from indexer.maintenance.collection_check import check_collection
+
+        with working("checking the collection"):
+            there, left_there = check_collection(library, vectors, shard=shard, repair=repair, poses=poses)
+        found.faults += there
+        faults += left_there
     if as_json:
         terminal.document({"found": _records(found.faults), "left": _records(faults), "unchecked": found.unchecked})
         return int(bool(faults))

@@ -15,7 +15,7 @@ from search.server import response_models
 from search.server.app_state import AppState
 from search.server.exception_handlers import ANY, ok
 from search.server.responses import bytes_response, json_response, to_json
-from search.server.snapshot_library import Snapshot, SnapshotLibrary
+from search.server.served.served_library import ServedLibrary, State
 
 #: Seconds that a request waits for a map that is being laid out; those of small libraries are ready by then.
 _PATIENCE = 2.0
@@ -48,13 +48,14 @@ def routes(state: AppState) -> APIRouter:
     return router
 
 
-def _map(library: SnapshotLibrary, snapshot: Snapshot, progress: Progress) -> bytes:
+def _map(library: ServedLibrary, snapshot: State, progress: Progress) -> bytes:
     """The map of a snapshot as JSON: that of the library's cache, else laid out and cached."""
-    folder = library.folder / "previews"
-    library_map = map_file.load(folder, snapshot.generation)
+    folder = library.previews
+    library_map = None if folder is None else map_file.load(folder, snapshot.generation)
     if library_map is None:
-        rows, texts = snapshot.clips.rows, vocabulary()
+        rows, texts = library.clips_of_map(), vocabulary()
         text_vectors, vectors = library.bundle.encode_texts(list(texts)), rows.vectors.astype("float32")
         library_map = make_map(snapshot.generation, rows.owners, vectors, texts, text_vectors, progress)
-        map_file.save(folder, library_map)
-    return to_json(library_map.document())
+        if folder is not None:
+            map_file.save(folder, library_map)
+    return to_json(library_map.document() | {"total": snapshot.count})

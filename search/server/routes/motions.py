@@ -7,7 +7,6 @@ from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
 from starlette.background import BackgroundTask
@@ -19,7 +18,6 @@ from indexer.store.clips import Clip
 from search.export import joints_binary
 from search.export.cut import write_cut
 from search.query.filters import refuse_filters
-from search.ranking.variety import varied
 from search.server import response_models
 from search.server.app_state import AppState
 from search.server.exception_handlers import ANY, NO_CLIP, ok
@@ -67,16 +65,8 @@ def routes(state: AppState) -> APIRouter:
             if clip:
                 refuse_filters(given)
                 return chosen(clip, slice(offset, offset + limit))
-            allowed = library.allowed(**given)
-            ids = library.ids() if allowed is None else allowed
-            if sort is not None:
-                ids = library.sorted_among(sort, allowed)
-            elif seed is not None:
-                rows = library.snapshot.clips.rows
-                passing = np.flatnonzero(np.isin(rows.owners, ids))
-                ids = rows.owners[passing[varied(rows.vectors[passing], seed)]]
-            clips = library.clips_by_id(ids[offset : offset + limit].tolist())
-            return json_response({"total": len(ids), "motions": [document(found) for found in clips.values()]})
+            total, clips = library.page(given, offset, limit, seed, sort)
+            return json_response({"total": total, "motions": [document(found) for found in clips]})
 
     @router.get("/clips", responses=ok(response_models.ClipsResponse))
     def clips(given: FilterParams) -> Response:

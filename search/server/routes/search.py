@@ -31,7 +31,7 @@ from search.server.parameters import (
     StrengthParam,
 )
 from search.server.responses import JsonAnswer, bytes_response
-from search.server.snapshot_library import SearchRequest
+from search.server.served.served_library import SearchRequest
 from search.source import MotionSource
 
 _Steps = Annotated[list[Sentence], Query(max_length=8)]

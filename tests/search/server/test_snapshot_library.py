@@ -11,7 +11,8 @@ import pytest
 
 from indexer.ingest import indexing
 from search.query.question import Question
-from search.server.snapshot_library import SearchRequest, SnapshotLibrary
+from search.server.served.served_library import SearchRequest
+from search.server.snapshot_library import SnapshotLibrary
 from tests.search.conftest import made_motion
 
 

@@ -1,0 +1,1 @@
+"""One archive, many indexers: which files are whose, and what each of them puts into the collection they share."""
