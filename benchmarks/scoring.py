@@ -1,6 +1,6 @@
 """How clips are scored: the shipped way beside others, on a labelled archive and on captioned takes.
 
-    python -m benchmarks.scoring data/hdm05 data/mocap captions.jsonl
+    python -m benchmarks.scoring data/hdm05 data/mocap captions.jsonl [--bundle FOLDER]
 
 Prints mean average precision of the labelled archive's queries, and the percent of captions whose best right file is
 the first, and among the first five, averaged over descriptions. *one best window* is the score of the whole or, where
@@ -59,8 +59,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     for name in ("labelled", "captioned", "captions"):
         parser.add_argument(name, type=Path)
+    parser.add_argument("--bundle", type=Path)
     arguments = parser.parse_args()
-    bundle = Bundle.load()
+    bundle = Bundle.load(arguments.bundle)
     archive = labelled_clips(arguments.labelled)
     takes = list(captioned_takes(arguments.captioned, arguments.captions, "val"))
     asked = [(label, text) for label, texts in archive.queries.items() if label in archive.labels for text in texts]
