@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property, lru_cache
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,7 +38,7 @@ from search.ranking.alignment import RERANKED, rerank_by_alignment
 from search.ranking.answers import Answer, as_hits, checked_strength
 from search.ranking.batched import batched
 from search.ranking.by_amounts import ranked_by_amounts
-from search.ranking.clip_scores import ClipScore, best_clips, rank_by_window, rank_clips
+from search.ranking.clip_scores import ClipScore, ExactGallery, best_clips, rank_by_window, rank_clips
 from search.ranking.description import Description, describe_motion
 from search.ranking.late_interaction import rerank_by_tokens
 from search.ranking.text_matches import TextMatch, fused, text_matches
@@ -57,6 +58,8 @@ Ids = NDArray[np.int64]
 
 #: Clips read at once, and of those found, whose moments are looked for.
 _CHUNK, _REFINED = 1000, 10
+#: Filters whose clips are cached: of a million clips at most 8 MB each.
+_FILTERS = 16
 
 
 class Library(MarkedLibrary):
@@ -167,6 +170,7 @@ class Library(MarkedLibrary):
         like: Ref | None = None,
         weight: float = WEIGHT,
         min_strength: str | None = None,
+        exact: bool = False,
         **filters: Unpack[FilterArguments],
     ) -> Hits:
         """The clips that fit a sentence best, each with the moment that does, the first of its `moments`.
@@ -181,11 +185,14 @@ class Library(MarkedLibrary):
             A motion that they shall be like, too: "like this but slower".
         weight : float
             How much of the question is the sentence, 0 to 1; the rest is the motion.
+        exact : bool
+            Compare every vector of a large library, which is otherwise searched by clusters that may miss a few.
         """
         if like is not None:
-            return self._search_like(query, like, k, checked_weight(weight), min_strength, filters)
+            checked_flag("exact", exact)
+            return self._search_like(query, like, k, checked_weight(weight), min_strength, exact, filters)
         question = self.encode(Question.of(query, split_steps=False)) if isinstance(query, str) else self._vector(query)
-        return self.search_encoded(question, k, min_strength=min_strength, **filters)
+        return self.search_encoded(question, k, min_strength=min_strength, exact=exact, **filters)
 
     def _search_like(
         self,
@@ -194,6 +201,7 @@ class Library(MarkedLibrary):
         k: int,
         weight: float,
         min_strength: str | None,
+        exact: bool,
         filters: FilterArguments,
     ) -> Hits:
         if not isinstance(query, str):
@@ -202,7 +210,7 @@ class Library(MarkedLibrary):
         vector = self.bundle.encode_motions([source.cut(*span_of(like, None, None))])[0]
         question = mixed(self.encode(Question.of(text, split_steps=False)), vector, weight)
         library, allowed = self.narrowed(filters, without=source.clip_id)
-        return library._clip_hits(question, checked_count(k), checked_strength(min_strength), allowed)
+        return library._clip_hits(question, checked_count(k), checked_strength(min_strength), allowed, exact=exact)
 
     @one_snapshot
     def search_encoded(
@@ -211,12 +219,13 @@ class Library(MarkedLibrary):
         k: int = 10,
         *,
         min_strength: str | None = None,
+        exact: bool = False,
         **filters: Unpack[FilterArguments],
     ) -> Hits:
         """The clips that fit a question that is encoded already; see `search`."""
-        k, least = checked_count(k), checked_strength(min_strength)
+        k, least, exact = checked_count(k), checked_strength(min_strength), checked_flag("exact", exact)
         library, allowed = self.narrowed(filters)
-        return library._clip_hits(question, k, least, allowed)
+        return library._clip_hits(question, k, least, allowed, exact=exact)
 
     @one_snapshot
     def moments(
@@ -533,9 +542,14 @@ class Library(MarkedLibrary):
         """The motion that a reference means, with what the library knows of it."""
         return source_of(ref, self, fps=checked_rate(fps), up=checked_up(up))
 
+    @one_snapshot
     def allowed(self, **filters: Unpack[FilterArguments]) -> Ids | None:
-        """The ids of the clips that pass the filters, sorted; None for all."""
-        return Filters.of(filters).ids(self)
+        """The ids of the clips that pass the filters, sorted; None for all. Recent ones are cached: do not change."""
+        return self._passing(self.state, Filters.of(filters))
+
+    @cached_property
+    def _passing(self) -> Callable[[object, Filters], Ids | None]:
+        return lru_cache(_FILTERS)(lambda state, filters: filters.ids(self))
 
     def narrowed(self, filters: FilterArguments, *, without: int = -1) -> tuple[Library, Ids | None]:
         """What is searched where filters are given and one clip is left out: a library, and the ids as of `allowed`."""
@@ -556,7 +570,14 @@ class Library(MarkedLibrary):
         return EncodedQuestion(unit_vector(vector, self.bundle.latent_size)[None], kind=kind)
 
     def _clip_hits(
-        self, question: EncodedQuestion, k: int, least: str | None, allowed: Ids | None, *, by_window: bool = False
+        self,
+        question: EncodedQuestion,
+        k: int,
+        least: str | None,
+        allowed: Ids | None,
+        *,
+        by_window: bool = False,
+        exact: bool = False,
     ) -> Hits:
         """With `by_window` clips are ranked by their best window alone."""
         matches = self.text_matches(" ".join(question.sentences), allowed)
@@ -565,7 +586,7 @@ class Library(MarkedLibrary):
             if by_window:
                 ranked = rank_by_window(self, question.vectors[0], allowed=allowed)
             else:
-                ranked = self._ranked(question, allowed, matches)
+                ranked = self._ranked(question, allowed, matches, exact)
             for batch in batched(ranked, _REFINED):
                 sources = self._sources([score.clip_id for score in batch])
                 for score in (score for score in batch if score.clip_id in sources):
@@ -577,10 +598,10 @@ class Library(MarkedLibrary):
         return as_hits(self.bundle, question, ranked, k, least)
 
     def _ranked(
-        self, question: EncodedQuestion, allowed: Ids | None, matches: Mapping[int, TextMatch]
+        self, question: EncodedQuestion, allowed: Ids | None, matches: Mapping[int, TextMatch], exact: bool
     ) -> Iterator[ClipScore]:
         query, encoder = question.vectors[0], self.bundle
-        ranked = rank_clips(self, query, allowed=allowed)
+        ranked = rank_clips(ExactGallery(self) if exact else self, query, allowed=allowed)
         if isinstance(encoder, TokenEncoder) and len(question.sentences) == 1 and self.has_poses:
             ranked = rerank_by_tokens(encoder, self, question.sentences[0], ranked)
         if not matches:

@@ -287,15 +287,17 @@ class MilvusLibrary(DistantLibrary):
     # What is near
 
     def nearest_clips(
-        self, queries: Vectors, k: int, *, allowed: Ids | None = None
+        self, queries: Vectors, k: int, *, allowed: Ids | None = None, exact: bool = False
     ) -> tuple[Vectors, NDArray[np.int64]]:
         """See `StoredLibrary.nearest_clips`; at most 16,384."""
+        _refuse(exact)
         return self._index(CLIPS).search(queries, k, allowed=allowed)[:2]
 
     def nearest_windows(
-        self, queries: Vectors, k: int, *, allowed: Ids | None = None
+        self, queries: Vectors, k: int, *, allowed: Ids | None = None, exact: bool = False
     ) -> tuple[Vectors, NDArray[np.int64], Vectors, Vectors]:
         """See `StoredLibrary.nearest_windows`; at most 16,384."""
+        _refuse(exact)
         return self._index(WINDOWS).search(queries, k, allowed=allowed)
 
     def vectors_of(self, ids: Ids) -> tuple[IndexRows, IndexRows]:
@@ -329,3 +331,8 @@ class MilvusLibrary(DistantLibrary):
             for id, clip in clips.items()
             if windows[id]
         }
+
+
+def _refuse(exact: bool) -> None:
+    if exact:
+        raise QueryError("exact: a collection is searched as its server has indexed it; leave it out")

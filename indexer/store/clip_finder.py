@@ -18,7 +18,7 @@ from indexer.argument_checks import checked_clip_id
 from indexer.part_names import is_meant, splits
 from indexer.store.clips import LIVE, ORDERS, Clip, root_names, select
 from indexer.store.files import ARRAYS_ROOT
-from indexer.store.library_reader import LibraryReader, one_snapshot
+from indexer.store.library_reader import FileId, LibraryReader, one_snapshot
 from indexer.store.spelling import composed
 
 #: Characters of a name that an error shows.
@@ -48,6 +48,9 @@ def storable_id(id: int) -> int:
 class ClipFinder(LibraryReader):
     """The indexed folders of a library and the clips in them."""
 
+    #: How many clips there are, counted once for a state of the library.
+    _counted: tuple[tuple[FileId, int], int] | None = None
+
     @property
     def roots(self) -> list[Path]:
         """The indexed folders."""
@@ -74,8 +77,12 @@ class ClipFinder(LibraryReader):
         rows = self.connection.execute("SELECT id, path FROM roots ORDER BY id")
         return {key: (self.folder / path).resolve() for key, path in rows}
 
+    @one_snapshot
     def __len__(self) -> int:
-        return int(self.connection.execute(f"SELECT count(*) {LIVE}").fetchone()[0])
+        held, state = self._counted, self.state
+        if held is None or held[0] != state:
+            held = self._counted = state, int(self.connection.execute(f"SELECT count(*) {LIVE}").fetchone()[0])
+        return held[1]
 
     def ids(self, where: str = "", values: Sequence[Any] = ()) -> NDArray[np.int64]:
         """Sorted ids of the clips that meet an SQL condition on the columns of `clips` and `files`, values bound.

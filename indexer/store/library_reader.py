@@ -130,6 +130,12 @@ class LibraryReader:
                 connection.execute("ROLLBACK")  # nothing was written
 
     @property
+    def state(self) -> tuple[FileId, int]:
+        """The file that is read and its generation: what was computed from one holds as long as both are the same."""
+        generation = self.generation  # by a connection that is opened if there is none yet
+        return self._local.file, generation
+
+    @property
     def generation(self) -> int:
         """Grows with every batch that is written."""
         row = self.connection.execute("SELECT value FROM settings WHERE key = 'generation'").fetchone()

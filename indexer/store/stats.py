@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from indexer.store.clips import LIVE
+from indexer.vectors.faiss_index import kind_of
 
 
 def stats(db: sqlite3.Connection, folder: Path, roots: list[Path]) -> dict[str, Any]:
@@ -19,12 +20,14 @@ def stats(db: sqlite3.Connection, folder: Path, roots: list[Path]) -> dict[str, 
     live = f"(SELECT clips.id {LIVE})"
     captions = f"SELECT count(*) FROM captions WHERE text_id IS NOT NULL AND clip_id IN {live}"
     windows = f"SELECT total(length(starts)) / 4 FROM windows WHERE model_id = ? AND clip_id IN {live}"
+    window_count = int(db.execute(windows, (model[0],)).fetchone()[0]) if model else 0
     return {
         "folder": str(folder),
         "roots": [str(root) for root in roots],
         "clips": clips,
         "seconds": round(seconds, 3),
-        "windows": int(db.execute(windows, (model[0],)).fetchone()[0]) if model else 0,
+        "windows": window_count,
+        "vector_index": {"clips": kind_of(clips), "windows": kind_of(window_count)},
         "captions": db.execute(captions).fetchone()[0],
         "failed": states.get("failed", 0),
         "gone": states.get("gone", 0),

@@ -209,7 +209,7 @@ class StoredLibrary(ClipFinder):
     @one_snapshot
     def caption_vectors(self) -> CaptionVectors:
         """Every caption of every clip: texts, clip ids (N,), unit vectors (N, D); not to be changed."""
-        held, state = self._captions, (self._local.file, self.generation)
+        held, state = self._captions, self.state
         if held is None or held[0] != state:
             held = self._captions = state, self._read_caption_vectors()
         return held[1]
@@ -236,26 +236,28 @@ class StoredLibrary(ClipFinder):
         return self.bundle.latent_size if model is None else int(model["size"])
 
     def nearest_clips(
-        self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None
+        self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None, exact: bool = False
     ) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
         """The clips whose vectors are nearest to each query (Q, D): scores and clip ids, each (Q, k), best first.
 
-        `allowed` are the sorted ids to choose from, None for all. Where there are fewer than k the id is -1.
+        `allowed` are the sorted ids to choose from, None for all. Where there are fewer than k the id is -1. Unless the
+        answer is to be `exact`, large libraries are searched by clusters, which miss a few.
         """
         with self.reading() as connection:
-            return self.indexes.current(CLIPS, connection).search(queries, k, allowed=allowed)[:2]
+            return self.indexes.current(CLIPS, connection).search(queries, k, allowed=allowed, exact=exact)[:2]
 
     def nearest_windows(
-        self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None
+        self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None, exact: bool = False
     ) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
         """The windows nearest to each query (Q, D): scores, clip ids, starts and ends, each (Q, k).
 
         Starts and ends are seconds of the motion; those of its file are `Clip.start` later.
 
-        `allowed` are the sorted clip ids to choose from, None for all. Where there are fewer than k the id is -1.
+        `allowed` are the sorted clip ids to choose from, None for all. Where there are fewer than k the id is -1. See
+        `nearest_clips` of `exact`.
         """
         with self.reading() as connection:
-            return self.indexes.current(WINDOWS, connection).search(queries, k, allowed=allowed)
+            return self.indexes.current(WINDOWS, connection).search(queries, k, allowed=allowed, exact=exact)
 
     def vectors_of(self, ids: NDArray[np.int64]) -> tuple[IndexRows, IndexRows]:
         """The vectors of clips, of each as a whole, and of all their windows."""

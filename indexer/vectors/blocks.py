@@ -30,12 +30,12 @@ class IndexRows:
     spans : float32 array (n, 2)
         Start and end in seconds.
     vectors : float16 array (n, D)
-        Unit vectors.
+        Unit vectors; of rows that were looked up perhaps the same numbers in single precision.
     """
 
     owners: NDArray[np.int64]
     spans: NDArray[np.float32]
-    vectors: NDArray[np.float16]
+    vectors: NDArray[np.floating]
 
     def __len__(self) -> int:
         return len(self.owners)
@@ -146,11 +146,11 @@ class Block:
         places = np.repeat(last - np.cumsum(counts), counts) + np.arange(counts.sum())
         return places if self._order is None else self._order[places]
 
-    def vectors_of(self, rows: NDArray[np.int64]) -> NDArray[np.float16]:
-        """The vectors (n, D) of some rows."""
+    def vectors_of(self, rows: NDArray[np.int64]) -> NDArray[np.floating]:
+        """The vectors (n, D) of some rows, of the numbers that are stored in half precision."""
         return self.rows.vectors[rows]
 
-    def search(self, queries: NDArray[np.float32], k: int, mask: Mask | None) -> SearchResult:
+    def search(self, queries: NDArray[np.float32], k: int, mask: Mask | None, *, exact: bool = False) -> SearchResult:
         """The k best rows by inner product, of those in the mask; see `FaissIndex.search`."""
         import faiss
 
@@ -213,13 +213,15 @@ class MaskedBlock:
             rows = rows[self.mask.bits[rows >> 3] >> (rows & 7) & 1 > 0]
         return IndexRows(self.block.owners[rows], self.block.spans[rows], self.block.vectors_of(rows))
 
-    def search(self, queries: NDArray[np.float32], k: int, allowed: NDArray[np.int64] | None) -> SearchResult:
+    def search(
+        self, queries: NDArray[np.float32], k: int, allowed: NDArray[np.int64] | None, *, exact: bool = False
+    ) -> SearchResult:
         """The k best rows of the allowed owners, None for all."""
         mask = self.mask
         if allowed is not None:
             among = Mask.of(_among(self.block.owners, allowed))
             mask = among if mask is None else among & mask
-        return self.block.search(queries, k, mask)
+        return self.block.search(queries, k, mask, exact=exact)
 
 
 def _among(owners: NDArray[np.int64], allowed: NDArray[np.int64]) -> NDArray[np.bool_]:

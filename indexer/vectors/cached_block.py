@@ -27,10 +27,12 @@ class CachedBlock(MaskedBlock):
     def __post_init__(self) -> None:
         object.__setattr__(self, "_cached", lru_cache(_CACHED)(self._search_one))
 
-    def search(self, queries: NDArray[np.float32], k: int, allowed: NDArray[np.int64] | None) -> SearchResult:
+    def search(
+        self, queries: NDArray[np.float32], k: int, allowed: NDArray[np.int64] | None, *, exact: bool = False
+    ) -> SearchResult:
         """See `MaskedBlock.search`; the arrays are read-only."""
-        if allowed is not None or len(queries) != 1:
-            return super().search(queries, k, allowed)
+        if allowed is not None or len(queries) != 1 or exact:
+            return super().search(queries, k, allowed, exact=exact)
         found: SearchResult = self._cached(queries.tobytes(), k)
         return found
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from encoders.arguments import checked_count, checked_vectors
 from indexer.vectors.blocks import Block, IndexRows, MaskedBlock, SearchResult
 from indexer.vectors.cached_block import CachedBlock
-from indexer.vectors.clustered import ClusteredBlock
+from indexer.vectors.clustered import PROBES, ClusteredBlock
 
 #: Rows from which on a main block is searched by clusters: exact search then costs more than 2 ms a query.
 CLUSTERED_FROM = 80_000
@@ -23,6 +23,11 @@ ADDED_CLUSTERED_FROM = 8192
 #: Share of rows added or removed since the main block was built from which on it is built anew. A server puts that off:
 #: it takes a minute of a core, and added rows are found nearly as fast.
 COMPACT_AT, COMPACT_AT_SERVING = 0.05, 0.25
+
+
+def kind_of(rows: int) -> str:
+    """What an index of so many rows is, in words."""
+    return "every vector compared" if rows < CLUSTERED_FROM else f"{int(rows**0.5):,} clusters, {PROBES} of them probed"
 
 
 def make_block(rows: IndexRows) -> Block:
@@ -120,11 +125,13 @@ class FaissIndex:
         """All rows of some owners."""
         return IndexRows.join([part.rows_of(owners) for part in (self._main, *self._added)])
 
-    def search(self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None) -> SearchResult:
-        """See `VectorIndex.search`."""
+    def search(
+        self, queries: NDArray[np.float32], k: int, *, allowed: NDArray[np.int64] | None = None, exact: bool = False
+    ) -> SearchResult:
+        """See `VectorIndex.search`; where it is to be `exact`, every row is compared."""
         size = self.size if len(self) else np.shape(queries)[-1]  # an empty index takes vectors of any size
         queries, k = checked_vectors("queries", queries, size), checked_count(k)
-        found = [part.search(queries, k, allowed) for part in (self._main, *self._added) if len(part)]
+        found = [part.search(queries, k, allowed, exact=exact) for part in (self._main, *self._added) if len(part)]
         if not found:
             blank = np.zeros((len(queries), k), np.float32)
             return blank - np.inf, np.full(blank.shape, -1), blank, blank

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle.windows import LENGTHS
+from indexer.store.stored_library import StoredLibrary
 from indexer.vectors.blocks import IndexRows
 from search.spans import MAX_OVERLAP, WINDOW_BONUS, Moment, length_adjusted, temporal_iou, temporal_nms
 
@@ -22,8 +23,10 @@ WHOLE_SHARE = 0.5
 
 #: Clips and windows fetched first where clips are ranked; four times as many whenever the next clip is undecided. And
 #: candidates that are scored at once.
-_FIRST_CLIPS_RANKED, _FIRST_WINDOWS_RANKED, _SCORED_AT_ONCE = 160, 320, 16
+_FIRST_CLIPS_RANKED, _FIRST_WINDOWS_RANKED, _SCORED_AT_ONCE = 320, 640, 16
 _MOST_WINDOWS = 16384
+#: Where no more clips than these are allowed all are scored: to find their near windows costs more.
+_FEW_ALLOWED = 256
 #: What is left of the length of a window that ends with its clip, at least.
 _NEARLY = 0.9
 #: Windows fetched for each clip wanted of several sentences; four times as many until they come from enough clips.
@@ -56,6 +59,32 @@ class ClipGallery(WindowGallery, Protocol):
 
     def vectors_of(self, ids: NDArray[np.int64]) -> tuple[IndexRows, IndexRows]:
         """The vectors of clips, of each as a whole, and of all their windows."""
+
+
+@dataclass(frozen=True)
+class ExactGallery:
+    """The vectors of a library, each of which is compared: clusters would miss a few."""
+
+    library: StoredLibrary
+
+    def __len__(self) -> int:
+        return len(self.library)
+
+    def nearest_windows(
+        self, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
+    ) -> tuple[Vectors, NDArray[np.int64], Vectors, Vectors]:
+        """See `WindowGallery`."""
+        return self.library.nearest_windows(queries, k, allowed=allowed, exact=True)
+
+    def nearest_clips(
+        self, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
+    ) -> tuple[Vectors, NDArray[np.int64]]:
+        """See `ClipGallery`."""
+        return self.library.nearest_clips(queries, k, allowed=allowed, exact=True)
+
+    def vectors_of(self, ids: NDArray[np.int64]) -> tuple[IndexRows, IndexRows]:
+        """See `ClipGallery`."""
+        return self.library.vectors_of(ids)
 
 
 @dataclass(frozen=True)
@@ -108,6 +137,9 @@ def rank_clips(
     """
     if len(library) == 0 or (allowed is not None and len(allowed) == 0):
         return
+    if allowed is not None and len(allowed) <= _FEW_ALLOWED:
+        yield from _all_ranked(library, query, allowed, whole_share)
+        return
     scored: set[int] = set()
     at_once = getattr(library, "scored_at_once", _SCORED_AT_ONCE)
     waiting: list[tuple[float, int]] = []  # a heap of scores, negated, and clips
@@ -133,6 +165,16 @@ def rank_clips(
         if most_of_others == -np.inf:
             return
         factor *= 4
+
+
+def _all_ranked(
+    library: ClipGallery, query: Vectors, ids: NDArray[np.int64], whole_share: float
+) -> Iterator[ClipScore]:
+    """Those of some clips that are there, all of them scored, best first."""
+    clips, windows = library.vectors_of(ids)
+    scores, there = clip_scores(query[None], clips, windows, whole_share)[0], np.sort(clips.owners)
+    for i in np.lexsort((there, -scores)):
+        yield ClipScore(int(there[i]), float(scores[i]))
 
 
 def _best_rows(found: tuple[NDArray[Any], ...]) -> tuple[NDArray[Any], ...]:
@@ -185,10 +227,10 @@ def clip_scores(
         All windows of these clips.
     """
     order = np.argsort(clips.owners)
-    whole = (clips.vectors.astype(np.float32) @ queries.T)[order]
+    whole = (clips.vectors.astype(np.float32, copy=False) @ queries.T)[order]
     best = np.full((len(clips), len(LENGTHS), len(queries)), -np.inf, np.float32)
     place = np.searchsorted(clips.owners[order], windows.owners)
-    np.maximum.at(best, (place, _length(*windows.spans.T)), windows.vectors.astype(np.float32) @ queries.T)
+    np.maximum.at(best, (place, _length(*windows.spans.T)), windows.vectors.astype(np.float32, copy=False) @ queries.T)
     best = np.where(np.isfinite(best), best, whole[:, None])
     return np.asarray((whole_share * whole + (1 - whole_share) * best.mean(axis=1)).T, np.float64)
 

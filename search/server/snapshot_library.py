@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,12 +26,15 @@ from indexer.store.marks.marks_table import Marks
 from indexer.vectors.blocks import IndexRows
 from indexer.vectors.faiss_index import FaissIndex
 from indexer.vectors.library_indexes import CLIPS, WINDOWS
-from search.query.filters import FilterArguments
+from search.query.filters import FilterArguments, Filters
 from search.ranking.clip_scores import highest_scores
 from search.ranking.variety import varied
 from search.server.added_text import AddedText
 from search.server.lru_cache import LruCache
 from search.server.served.served_library import ServedLibrary
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 Ids = NDArray[np.int64]
 Vectors = NDArray[np.float32]
@@ -142,15 +145,12 @@ class SnapshotLibrary(ServedLibrary):
         with self._refreshing:
             try:
                 with super().reading():
-                    if self._error is None and self._state() == (self._snapshot.file, self._snapshot.generation):
+                    if self._error is None and self.state == (self._snapshot.file, self._snapshot.generation):
                         return False
                     self._catch_up()
             except MotionSeekError as error:
                 self._error = error
             return True
-
-    def _state(self) -> tuple[FileId, int]:
-        return self._local.file, self.generation
 
     def _catch_up(self) -> None:
         before = self._snapshot
@@ -180,7 +180,7 @@ class SnapshotLibrary(ServedLibrary):
         clips, windows = (self.indexes.current(kind, self.connection, serving=True) for kind in (CLIPS, WINDOWS))
         (newest,) = self.connection.execute("SELECT coalesce(max(id), 0) FROM clips").fetchone()
         changed = self.captions_generation, self.marks_generation
-        return Snapshot(*self._state(), clips, windows, len(clips), newest, *changed)
+        return Snapshot(*self.state, clips, windows, len(clips), newest, *changed)
 
     def _watch(self) -> None:
         while not self._stop.wait(_POLL_SECONDS):
@@ -193,20 +193,24 @@ class SnapshotLibrary(ServedLibrary):
         return self.snapshot.count
 
     def nearest_clips(
-        self, queries: Vectors, k: int, *, allowed: Ids | None = None
+        self, queries: Vectors, k: int, *, allowed: Ids | None = None, exact: bool = False
     ) -> tuple[Vectors, NDArray[np.int64]]:
         """See `Library.nearest_clips`."""
-        return self.snapshot.clips.search(queries, k, allowed=allowed)[:2]
+        return self.snapshot.clips.search(queries, k, allowed=allowed, exact=exact)[:2]
 
     def nearest_windows(
-        self, queries: Vectors, k: int, *, allowed: Ids | None = None
+        self, queries: Vectors, k: int, *, allowed: Ids | None = None, exact: bool = False
     ) -> tuple[Vectors, NDArray[np.int64], Vectors, Vectors]:
         """See `Library.nearest_windows`."""
-        return self.snapshot.windows.search(queries, k, allowed=allowed)
+        return self.snapshot.windows.search(queries, k, allowed=allowed, exact=exact)
 
     def vectors_of(self, ids: Ids) -> tuple[IndexRows, IndexRows]:
         """See `Library.vectors_of`."""
         return self.snapshot.clips.rows_of(ids), self.snapshot.windows.rows_of(ids)
+
+    def allowed(self, **filters: Unpack[FilterArguments]) -> Ids | None:
+        """See `Library.allowed`; what `ids` gives is cached for the snapshot."""
+        return Filters.of(filters).ids(self)
 
     def ids(self, where: str = "", values: Sequence[Any] = ()) -> Ids:
         """See `Library.ids`."""

@@ -22,6 +22,7 @@ from search.cli.sentence_command import SentenceCommand
 @options.hits
 @options.min_strength
 @options.filters
+@click.option("--exact", is_flag=True, help="Compare every vector; large libraries are searched by clusters.")
 @options.export
 @options.export_as
 @options.force
@@ -33,6 +34,7 @@ def search(
     weight: float | None,
     k: int,
     min_strength: str | None,
+    exact: bool,
     export_folder: Path | None,
     export_format: str,
     force: bool,
@@ -62,7 +64,9 @@ def search(
         with working("searching"):
             source = None if like is None else find_source(like, library)
             share = WEIGHT if weight is None else weight
-            found = library.search(sentence, k, like=source, weight=share, min_strength=min_strength, **filters)
+            found = library.search(
+                sentence, k, like=source, weight=share, min_strength=min_strength, exact=exact, **filters
+            )
         terminal.hits(found, sentence, library, as_json=as_json, sentences=[sentence])
         terminal.remark([sentence if like is None else difference_of(sentence)], library.bundle)
         if not found:

@@ -307,6 +307,7 @@ def test_stats_and_failures_tell_what_is_there(library):
     assert (stats["clips"], stats["seconds"], stats["captions"], stats["failed"]) == (4, 30.0, 4, 0)
     assert stats["windows"] == sum(len(w.starts) for i in library.ids() for w in library.windows(i))
     assert stats["formats"] == {"npy": 4}
+    assert stats["vector_index"] == {"clips": "every vector compared", "windows": "every vector compared"}
     assert stats["bytes"] > 0
     assert library.failures() == []
 

@@ -192,7 +192,7 @@ def test_an_index_for_serving_searches_its_main_block_once(monkeypatch):
     """The same answers, before and after it grew and lost clips, and none from what was there no more."""
     searched = []
     search = Block.search
-    monkeypatch.setattr(Block, "search", lambda block, *given: searched.append(len(block)) or search(block, *given))
+    monkeypatch.setattr(Block, "search", lambda block, *a, **b: searched.append(len(block)) or search(block, *a, **b))
     plain = FaissIndex.of(1, some_rows(5000, 0, seed=0))
     serving, query = plain.for_serving(), some_rows(1, 0, seed=9).vectors.astype(np.float32)
     first, again = (serving.search(query, 10) for _ in range(2))

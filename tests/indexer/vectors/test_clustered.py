@@ -69,6 +69,22 @@ def test_few_allowed_owners_are_all_found(clustered, exact, allowed):
     np.testing.assert_array_equal(owners, want_owners)
 
 
+@pytest.mark.parametrize("share", [0.1, 0.01])
+def test_of_the_rows_that_a_filter_leaves_nearly_all_of_the_best_are_found(clustered, exact, share):
+    allowed = np.sort(np.random.default_rng(2).choice(np.arange(1, 4001), round(4000 * share), replace=False))
+    _, owners, _, _ = clustered.search(queries(), 10, allowed=allowed)
+    _, want, _, _ = exact.search(queries(), 10, allowed=allowed)
+    assert share_found(owners, want) > 0.98
+
+
+@pytest.mark.parametrize("allowed", [None, np.arange(1, 400)])
+def test_an_exact_search_misses_nothing(clustered, exact, allowed):
+    found = clustered.search(queries(), 50, allowed=allowed, exact=True)
+    want = exact.search(queries(), 50, allowed=allowed)
+    np.testing.assert_allclose(found[0], want[0], atol=1e-3)
+    assert share_found(found[1], want[1]) == 1
+
+
 def test_the_rows_come_back_in_order(clustered, rows):
     np.testing.assert_array_equal(clustered.rows.owners, rows.owners)
     np.testing.assert_array_equal(clustered.rows.vectors, rows.vectors)

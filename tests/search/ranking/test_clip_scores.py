@@ -163,6 +163,14 @@ def test_only_allowed_clips_answer() -> None:
     assert _ask(gallery, 5, allowed=np.array([], np.int64)) == []
 
 
+def test_few_allowed_clips_rank_as_among_all() -> None:
+    heights = {i: 0.2 + (i * 37 % 100) / 200 for i in range(100)}
+    gallery = Gallery(heights, [(i, 0, 1.6, 1 - height) for i, height in heights.items()])
+    some = np.arange(0, 100, 7)
+    wanted = [score for score in _ask(gallery, 100) if score.clip_id in some]
+    assert _ask(gallery, 100, allowed=some) == wanted
+
+
 def test_an_empty_library_and_more_asked_than_there_is() -> None:
     assert _ask(Gallery({}, []), 5) == []
     assert len(_ask(Gallery({1: 0.9}, [(1, 0, 2, 0.8)]), 100)) == 1
