@@ -129,12 +129,13 @@ class MilvusCollection:
         self.address = address
         self._server = MilvusServer(address, timeout=timeout)
         try:
-            if not self._call("has_collection"):
-                if create is None:
-                    raise LibraryNotFound(
-                        f"{address}: no such collection; 'motionseek index FOLDER --vectors {address}' makes it"
-                    )
-                self._create(create)
+            there = self._call("has_collection")
+            if not there and create is None:
+                raise LibraryNotFound(
+                    f"{address}: no such collection; 'motionseek index FOLDER --vectors {address}' makes it"
+                )
+            if create is not None and not (there and self._is_whole()):
+                self._create(create)  # also where whoever began to make it was cut off
             self._call("load_collection")
             about = self._about()
             self.fingerprint, self.model, self.size = str(about["fingerprint"]), str(about["model"]), int(about["size"])
@@ -273,7 +274,8 @@ class MilvusCollection:
         self.size = size
         schema, index = self._schema(size)
         try:
-            self._call("create_collection", schema=schema, index_params=index, consistency_level="Bounded")
+            if not self._call("has_collection"):
+                self._call("create_collection", schema=schema, index_params=index, consistency_level="Bounded")
         except LibraryError:
             if not self._call("has_collection"):
                 raise
@@ -304,6 +306,12 @@ class MilvusCollection:
         for field in _INDEXED:
             index.add_index(field, index_type="INVERTED")
         return schema, index
+
+    def _is_whole(self) -> bool:
+        """Whether the collection has been made to its end."""
+        return bool(self._call("has_partition", partition_name=STATE)) and any(
+            row["key"] == _ABOUT for row in self._state()
+        )
 
     def _about(self) -> Row:
         """What the collection is; waits a little for whoever is making it at this moment."""
