@@ -28,6 +28,8 @@ DATA = {
     "search/page/vendor/inter": {".txt", ".woff2"},
     "search/page/vendor/three": {".js", ".txt"},
     "search/query": {".txt"},
+    "search/translation": {".npz"},
+    "search/translation/lexicon": {".txt"},
 }
 
 

@@ -3,7 +3,6 @@
  */
 
 import * as api from "./api.js";
-import { Composer } from "./composer.js";
 import { onFiles } from "./drop.js";
 import { byId, clock, el } from "./dom.js";
 import { listenToFacets, showFacets } from "./facets.js";
@@ -29,7 +28,8 @@ const grid = new Grid(stage, byId("grid"), isPlaying);
 const results = new Results(grid);
 const viewer = new Viewer(stage, isPlaying, () => grid.hits);
 const plane = new Plane(stage);
-const composer = new Composer(stage, isPlaying);
+/** The editor of time lines, once it has been opened. @type {import("./composer.js").Composer | null} */
+let composer = null;
 const VIEWS = ["viewer", "map", "composer", "results"];
 
 function makeStage() {
@@ -69,8 +69,8 @@ async function show(state, back = false) {
   if (stage) stage.dirty = true;
   if (where === "viewer") viewer.show(state);
   if (where === "map") plane.show(state, from === "viewer");
-  if (where === "composer") composer.show(state);
-  else composer.close();
+  if (where === "composer") compose();
+  else composer?.close();
   if (where !== "results") return isNew && !back && scrollTo(0, 0);
   const shown = results.show(state, place?.count);
   if (isNew && !back && from !== "results") scrollTo(0, 0);
@@ -106,7 +106,14 @@ byId("theme").addEventListener("click", changeTheme);
 byId("help-button").addEventListener("click", () => byId("help").showModal());
 onFiles();
 listenToQuestion(() => grid.focus(0));
-listenToShortcuts({ viewer, grid, togglePlaying: () => (read().view === "compose" ? composer.toggle() : togglePlaying()) });
+/** Show the editor; a first visit does not load it. */
+async function compose() {
+  const { Composer } = await import("./composer.js");
+  composer ??= new Composer(stage, isPlaying);
+  if (read().view === "compose") composer.show(read());
+}
+
+listenToShortcuts({ viewer, grid, togglePlaying: () => (read().view === "compose" ? composer?.toggle() : togglePlaying()) });
 
 /** Show the size and the filters of the library, again when it has changed. */
 let generation = -1;

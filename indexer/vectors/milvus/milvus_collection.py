@@ -309,9 +309,10 @@ class MilvusCollection:
 
     def _is_whole(self) -> bool:
         """Whether the collection has been made to its end."""
-        return bool(self._call("has_partition", partition_name=STATE)) and any(
-            row["key"] == _ABOUT for row in self._state()
-        )
+        if not self._call("has_partition", partition_name=STATE):
+            return False
+        self._call("load_collection")
+        return any(row["key"] == _ABOUT for row in self._state())
 
     def _about(self) -> Row:
         """What the collection is; waits a little for whoever is making it at this moment."""

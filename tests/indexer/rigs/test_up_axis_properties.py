@@ -45,7 +45,17 @@ CARRIERS: dict[str, tuple[Callable[[np.ndarray], bytes | np.ndarray], str]] = {
     "array, z up": (lambda joints: joints @ Z_UP.T, "z"),
 }
 #: Where too little tells two axes apart without a rest pose. `--up z` sets it right.
-UNDECIDABLE = {("array, z up", "lie on the belly", 5)}
+UNDECIDABLE = {
+    ("array, z up", "lie on the belly", 5),
+    ("array, z up", "lie on the back", 3),
+    ("array, z up", "lie on the back", 4),
+    ("array, z up", "lie on the left side", 3),
+    ("array, z up", "lie on the left side", 5),
+    ("array, z up", "lie on the right side", 4),
+    ("array", "lie on the belly", 4),
+    ("floor at 1 m", "lie on the belly", 4),
+    ("rest pose along x", "lie on the belly", 4),
+}
 
 #: Files that may look as well like another movement with another axis up.
 AMBIGUOUS: dict[str, tuple[Callable[[np.ndarray], bytes | np.ndarray], str]] = {

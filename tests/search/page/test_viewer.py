@@ -85,7 +85,7 @@ def test_a_clip_plays_and_can_be_scrubbed(opened):
     page.keyboard.press("Space")
     until(page, "document.querySelector('#timeline .head').ariaValueNow > 0.2")
     page.keyboard.press("Space")
-    box = page.locator(".ruler").bounding_box()
+    box = page.locator("#timeline .ruler").bounding_box()
     page.mouse.click(box["x"] + box["width"] / 2, box["y"] + 5)
     duration = float(page.locator("#timeline .head").get_attribute("aria-valuemax"))
     assert number(page, "#timeline .head") == pytest.approx(duration / 2, abs=0.05)
@@ -106,7 +106,7 @@ def test_a_moment_is_marked_and_takes_the_in_and_out_points(opened):
 def test_in_and_out_points_are_dragged_and_kept_in_the_url(opened):
     page = opened("clip=1")
     page.wait_for_selector(_OPEN)
-    box, handle = page.locator(".ruler").bounding_box(), page.locator("#timeline .in").bounding_box()
+    box, handle = page.locator("#timeline .ruler").bounding_box(), page.locator("#timeline .in").bounding_box()
     page.mouse.move(handle["x"] + 5, handle["y"] + 10)
     page.mouse.down()
     page.mouse.move(box["x"] + box["width"] / 4, box["y"] + 10)
@@ -134,13 +134,13 @@ def test_the_time_line_of_a_long_take_is_zoomed_and_follows_the_head(opened, tmp
         page.wait_for_selector(".track .moment")
         asked = page.evaluate("performance.getEntriesByType('resource').map(({ name }) => name)")
         assert any("moments" in url and "k=12&" in url for url in asked), "eight, and one a minute"
-        width = "document.querySelector('.ruler').getBoundingClientRect().width"
+        width = "document.querySelector('#timeline .ruler').getBoundingClientRect().width"
         whole = page.evaluate(width)
         page.keyboard.press("+")
         page.locator("#zoom-in").click()
         assert page.evaluate(width) == pytest.approx(4 * whole, rel=0.01)
         box = page.locator("#timeline").bounding_box()
-        page.mouse.click(box["x"] + 24 + whole / 2, page.locator(".ruler").bounding_box()["y"] + 5)
+        page.mouse.click(box["x"] + 24 + whole / 2, page.locator("#timeline .ruler").bounding_box()["y"] + 5)
         assert number(page, "#timeline .head") == pytest.approx(30, abs=1)
         page.locator("#timeline .head").focus()
         page.keyboard.press("End")
@@ -153,7 +153,7 @@ def test_the_time_line_of_a_long_take_is_zoomed_and_follows_the_head(opened, tmp
         page.mouse.wheel(0, -200)
         page.keyboard.up("Control")
         until(page, f"{width} > 2 * {whole}")
-        left = page.evaluate("document.querySelector('.ruler').getBoundingClientRect().left")
+        left = page.evaluate("document.querySelector('#timeline .ruler').getBoundingClientRect().left")
         at = (box["x"] + 24 + whole / 4 - left) / page.evaluate(width)
         assert at == pytest.approx(1 / 4, abs=0.01)  # what was under the pointer still is
 
@@ -172,11 +172,11 @@ def test_frames_of_the_file_are_counted_and_stepped_and_all_is_in_view(opened):
     assert number(page, "#timeline .head") == pytest.approx(3 / rate, abs=0.01)
     page.locator("#before").click()
     assert "frame 2 /" in page.locator("#time").inner_text()
-    for part in ("#big", "#play", ".ruler", ".track", "#export"):
+    for part in ("#big", "#play", "#timeline .ruler", ".track", "#export"):
         box = page.locator(part).bounding_box()
         assert box["y"] + box["height"] <= 720, part
     page.set_viewport_size({"width": 390, "height": 844})
-    for part in ("#big", "#play", ".ruler", ".track"):
+    for part in ("#big", "#play", "#timeline .ruler", ".track"):
         box = page.locator(part).bounding_box()
         assert box["y"] + box["height"] <= 844, part
 
