@@ -72,7 +72,9 @@ def motionseek(*arguments: object) -> tuple[float, float, float]:
     """Run the command: seconds by the clock, of the processor, and MB of memory of its largest process, at most."""
     before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     command = [sys.executable, "-m", "motionseek_main", *map(str, arguments)]
-    subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+    done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    if done.returncode and arguments[0] != "index":  # an archive may hold files that cannot be read
+        raise SystemExit(f"{' '.join(command)}: {done.stderr}")
     wall, after = time.perf_counter() - began, resource.getrusage(resource.RUSAGE_CHILDREN)
     return wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, after.ru_maxrss / 1e3
 
