@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import multiprocessing
 import resource
+import tempfile
 import time
 from collections.abc import Callable
 from contextlib import closing
@@ -183,7 +184,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("libraries", "indexes", "milvus"))
     parser.add_argument("--around", type=Path, required=True, help="an indexed folder of real motion")
-    parser.add_argument("--folder", type=Path, default=Path("/tmp/growth"), help="where simulated libraries are kept")
+    parser.add_argument(
+        "--folder", type=Path, default=Path(tempfile.gettempdir(), "growth"), help="where simulated libraries are kept"
+    )
     parser.add_argument("--clips", type=int, nargs="+", default=[1000])
     parser.add_argument("--vectors", default="milvus://127.0.0.1:19530/growth")
     given = parser.parse_args()
