@@ -14,6 +14,9 @@ INDEX = {name: i for i, name in enumerate(JOINTS)}
 #: Parent of each joint, -1 for the root; SMPL order, so a parent always comes first.
 PARENTS = np.array([-1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19])
 
+#: Joints that are as many bones away from the root, the nearest first; without the root.
+LEVELS = tuple(slice(*span) for span in ((1, 4), (4, 7), (7, 10), (10, 15), (15, 18), (18, 20), (20, 22)))
+
 #: Kinematic chains from the root (right leg, left leg, spine) and from spine3 (right arm, left arm).
 CHAINS = ((0, 2, 5, 8, 11), (0, 1, 4, 7, 10), (0, 3, 6, 9, 12, 15), (9, 14, 17, 19, 21), (9, 13, 16, 18, 20))
 

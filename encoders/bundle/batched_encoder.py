@@ -106,7 +106,8 @@ class BatchedEncoder(ABC):
 
     def encode_motions(self, motions: Sequence[Motion]) -> Array:
         """Unit vectors (N, D), see `encode_features`."""
-        return self.encode_features([self.features(motion) for motion in checked_list("motions", motions, Motion)])
+        motions, many = checked_list("motions", motions, Motion), self._kind.compute_many
+        return self.encode_features(many(motions) if many else [self.features(motion) for motion in motions])
 
     def encode_texts(self, sentences: Sequence[str]) -> Array:
         """Unit vectors (N, D) of N sentences; those of the last few thousand are cached."""

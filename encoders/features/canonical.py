@@ -9,6 +9,8 @@ compute features once for a take and slice them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -212,6 +214,16 @@ def body_features(joints: ArrayLike) -> Array:
 def of_motion(motion: Motion) -> Array:
     """The features (T', SIZE) of a motion at any rate, T' frames at 10 a second."""
     return body_features(motion.resample(SOURCE_FPS).joints)
+
+
+def of_motions(motions: Sequence[Motion]) -> list[Array]:
+    """The same numbers for many motions, those of equal length at once: several times as quick where they are short."""
+    joints = [motion.resample(SOURCE_FPS).joints for motion in motions]
+    features = dict[int, Array]()
+    for frames in {len(track) for track in joints}:
+        alike = [i for i, track in enumerate(joints) if len(track) == frames]
+        features |= zip(alike, body_features(np.stack([joints[i] for i in alike])), strict=True)
+    return [features[i] for i in range(len(joints))]
 
 
 def _mirrored_name(name: str) -> str:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from encoders.geometry import interpolate
 from encoders.motion import FPS, Motion
+from encoders.protocol import Encoder
 from indexer.store.stored_library import StoredLibrary
 from search.compose.rotations import Rotated
 from search.compose.timeline import Interval
@@ -134,15 +135,24 @@ def candidates(
     cuts = _cuts_near(library, query, windows, allowed, interval.duration)
     if not cuts:
         return []
-    # Features do not know of places, so that repeats need not be joined for them.
-    features = [np.tile(library.bundle.features(cut.shown_once()), (cut.repeats, 1)) for cut in cuts]
-    scores = (library.bundle.encode_features(features) @ query).tolist()
+    scores = (_encoded(cuts, library.bundle) @ query).tolist()
     best = sorted(range(len(cuts)), key=lambda i: cuts[i].cost - scores[i])[:most]
     return [
         Candidate(cut.source, cut.start, cut.end, cut.repeats, cut.rate, scores[i], cut.cost, around, cut.first)
         for i, around in zip(best, _rotated([cuts[i].around for i in best]), strict=True)
         for cut in [cuts[i]]
     ]
+
+
+def _encoded(cuts: Sequence[_Cut], encoder: Encoder) -> NDArray[np.float32]:
+    """Unit vectors (N, D) of cuts as often and as fast as they are shown."""
+    vectors = np.empty((len(cuts), encoder.latent_size), np.float32)
+    once = np.array([cut.repeats == 1 for cut in cuts])
+    vectors[once] = encoder.encode_motions([cut.shown_once() for cut in cuts if cut.repeats == 1])
+    # Features do not know of places, so that repeats need not be joined for them.
+    repeated = [np.tile(encoder.features(cut.shown_once()), (cut.repeats, 1)) for cut in cuts if cut.repeats > 1]
+    vectors[~once] = encoder.encode_features(repeated)
+    return vectors
 
 
 def _cuts_near(

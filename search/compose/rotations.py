@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from encoders.geometry import apply, interpolate
 from encoders.motion import Motion
-from encoders.skeleton import JOINTS, PARENTS
+from encoders.skeleton import JOINTS, LEVELS, PARENTS
 from search.export.posed_rig import joint_rotations
 from search.export.quaternions import between, slerp, to_matrices, to_quaternions
 
@@ -56,10 +56,10 @@ class Rotated:
         world = np.empty_like(local)
         places = np.empty((len(self), len(JOINTS), 3))
         world[:, 0], places[:, 0] = local[:, 0], self.root
-        for joint in range(1, len(JOINTS)):
-            parent = PARENTS[joint]
-            world[:, joint] = world[:, parent] @ local[:, joint]
-            places[:, joint] = places[:, parent] + apply(world[:, parent], self.bones[:, joint])
+        for level in LEVELS:
+            above = world[:, PARENTS[level]]
+            world[:, level] = above @ local[:, level]
+            places[:, level] = places[:, PARENTS[level]] + apply(above, self.bones[:, level])
         return places
 
     def at(self, frames: Array) -> Rotated:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from encoders.geometry import length
 from search.compose.body_parts import INDICES
 from search.compose.joins import half_blend, smooth
-from search.compose.rotations import Rotated
+from search.compose.rotations import Rotated, concatenated
 
 
 def overlaid(
@@ -37,7 +37,8 @@ def overlaid(
     under, over = base[begin:end], layer[begin - first : end - first]
     edges = np.clip(np.array(span) - begin, 0, end - begin - 1)
     taken = under[edges].with_joints_of(over[edges], joints, np.ones(2))
-    apart = length(taken.joints() - under[edges].joints()).mean(axis=-1)
+    own, other = np.split(concatenated([under[edges], taken]).joints(), 2)
+    apart = length(other - own).mean(axis=-1)
     most = min(margin, (span[1] - span[0]) // 2)
     rise, fall = (max(min(half_blend(overlap, float(metres)), most), 0) for metres in apart)
     frames = np.arange(begin, end)

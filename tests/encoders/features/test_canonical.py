@@ -235,3 +235,11 @@ def test_the_input_is_left_alone():
     before = joints.copy()
     body_features(joints)
     np.testing.assert_array_equal(joints, before)
+
+
+def test_many_motions_have_the_features_of_each():
+    motions = [Motion(walk(fps, seconds), fps) for fps, seconds in ((20, 2), (30, 4), (20, 4), (120, 1.5), (20, 2))]
+    assert KIND.compute_many is not None
+    for many, one in zip(KIND.compute_many(motions), map(KIND.compute, motions), strict=True):
+        np.testing.assert_array_equal(many, one)
+    assert KIND.compute_many([]) == []
