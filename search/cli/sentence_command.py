@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import click
@@ -16,8 +17,18 @@ class SentenceCommand(click.Command):
         if extra:
             arguments = [p.name for p in self.params if isinstance(p, click.Argument) and p.name]
             given = [ctx.params[name] for name in arguments if ctx.params[name]]
-            raise click.UsageError(f"put the sentence in quotes: {quoted(ctx, [*given, *extra])}", ctx)
+            raise click.UsageError(_advice(ctx, [*given, *extra]), ctx)
         return extra
+
+
+def _advice(ctx: click.Context, words: list[str]) -> str:
+    """What to type instead of words of which a sentence was wanted: a folder among them is the library's."""
+    folders = [word for word in words if Path(word).is_dir()]
+    takes_library = any("--library" in parameter.opts for parameter in ctx.command.params)
+    if len(folders) != 1 or len(words) == 1 or not takes_library:
+        return f"put the sentence in quotes: {quoted(ctx, words)}"
+    rest = [word for word in words if word not in folders]
+    return f"name the library with --library: {quoted(ctx, rest)} --library {shlex.quote(folders[0])}"
 
 
 def quoted(ctx: click.Context, words: list[str]) -> str:

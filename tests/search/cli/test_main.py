@@ -325,6 +325,8 @@ def test_a_reader_that_goes_away_is_no_error(indexed: Path, arguments: list[str]
         (["search", "walk", "forward"], 'motionseek search "walk forward"'),
         (["search", "walk", "forward", "-k", "3"], 'motionseek search "walk forward"'),
         (["moments", "walk", "forward", "take.npy"], 'motionseek moments "walk forward" take.npy'),
+        (["search", "a person walks", "the takes"], "motionseek search \"a person walks\" --library 'the takes'"),
+        (["search", "the takes", "walks"], "motionseek search \"walks\" --library 'the takes'"),
         (["--json", "search", "walks"], "options come after the command"),
         (["find", "a person walks"], "did you mean 'search'?"),
         (["search", "walks", "--min-duration", "nan"], "'--min-duration': nan is no finite number"),
@@ -338,6 +340,7 @@ def test_wrong_usage_gets_the_advice_that_fits(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], advice: str
 ) -> None:
     (tmp_path / "take.npy").touch()
+    (tmp_path / "the takes").mkdir()
     monkeypatch.chdir(tmp_path)
     ran = run(*arguments)
     assert ran.code == 2
