@@ -142,7 +142,8 @@ def out_of_step(library: StoredLibrary, collection: MilvusCollection, shard: Sha
             elif own != {held: count}:
                 found.append((fields["path"], "has other windows in the collection"))
     left = sorted(there.keys() | windows.keys())
-    return found + [(f"#{clip}", "is in the collection and not in the library") for clip in left]
+    named = {clip: row["path"] for clip, row in collection.versions(left).items()}
+    return found + [(named.get(clip, f"#{clip}"), "is in the collection and not in the library") for clip in left]
 
 
 def _versions(library: StoredLibrary, collection: MilvusCollection, shard: Shard) -> dict[int, int]:

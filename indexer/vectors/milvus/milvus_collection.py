@@ -11,6 +11,7 @@ nobody sees and the next run of that library removes.
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -127,13 +128,16 @@ class MilvusCollection:
         timeout: float = TIMEOUT,
     ) -> None:
         self.address = address
+        missing = LibraryNotFound(
+            f"{address}: no such collection; 'motionseek index FOLDER --vectors {address}' makes it"
+        )
+        if create is None and address.is_file and not os.path.exists(address.uri):
+            raise missing  # milvus-lite would make the file
         self._server = MilvusServer(address, timeout=timeout)
         try:
             there = self._call("has_collection")
             if not there and create is None:
-                raise LibraryNotFound(
-                    f"{address}: no such collection; 'motionseek index FOLDER --vectors {address}' makes it"
-                )
+                raise missing
             if create is not None and not (there and self._is_whole()):
                 self._create(create)  # also where whoever began to make it was cut off
             self._call("load_collection")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
@@ -117,12 +117,22 @@ class Killed(BaseException):
     """Stands for SIGKILL: nothing catches it."""
 
 
-def calls_until_killed(monkeypatch: pytest.MonkeyPatch, left: int) -> None:
-    """Let so many calls that write through, and end before the next."""
+def writes_clips(method: str, options: dict[str, Any]) -> bool:
+    return method in ("upsert", "delete") and options.get("partition_name") != STATE
+
+
+def makes_the_collection(method: str, options: dict[str, Any]) -> bool:
+    return method.startswith(("create_", "load_")) or (method == "upsert" and options.get("partition_name") == STATE)
+
+
+def calls_until_killed(
+    monkeypatch: pytest.MonkeyPatch, left: int, counts: Callable[[str, dict[str, Any]], bool] = writes_clips
+) -> None:
+    """Let so many calls of a kind through, and end before the next."""
     call, state = MilvusServer.call, [left]
 
     def counted(self: MilvusServer, method: str, *given: Any, **options: Any) -> Any:
-        if method in ("upsert", "delete") and options.get("partition_name") != STATE:
+        if counts(method, options):
             if state[0] == 0:
                 raise Killed
             state[0] -= 1
@@ -159,6 +169,23 @@ def test_what_is_cut_off_is_old_or_new_for_readers_and_finished_by_the_next_run(
         assert len(there | old.keys()) <= len(old) + 1
     run(archive, file, bundle)
     assert paths_in(file, bundle) == paths_of(archive)
+
+
+@pytest.mark.parametrize("left", range(6))
+def test_a_collection_that_is_half_made_is_finished_by_whoever_writes_next(
+    file: Path, bundle: Bundle, monkeypatch: pytest.MonkeyPatch, left: int
+) -> None:
+    with monkeypatch.context() as patched:
+        calls_until_killed(patched, left, makes_the_collection)
+        with pytest.raises(Killed), collection_of(file, bundle):
+            pass
+    with pytest.raises(LibraryError):  # for readers there is none yet
+        MilvusCollection(MilvusAddress.of(file))
+    with collection_of(file, bundle) as collection:
+        assert [collection.count(part) for part in (CLIPS, WINDOWS)] == [0, 0]
+        assert MilvusIndex(collection, CLIPS).search(np.ones((1, bundle.latent_size), np.float32), 3)[1].max() < 0
+    with closing(MilvusCollection(MilvusAddress.of(file))) as collection:
+        assert (collection.fingerprint, collection.model) == (bundle.fingerprint, bundle.name)
 
 
 def test_an_interrupted_run_removes_nothing(archive: Path, file: Path, bundle: Bundle) -> None:
