@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from search.query.languages import understood_language_of
+from search.query.negation import parts_of
 from search.query.question import Question
 from search.ranking.description import Description
 
@@ -19,6 +20,8 @@ Curve = tuple[NDArray[np.float64], NDArray[np.float32]]
 def search_document(query: str, sentences: Sequence[str], hits: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """The hits of a question; `language` is that of its sentences where they are understood as not English, else None.
 
+    `without` is there where the sentences take something away, and has it.
+
     Parameters
     ----------
     query : str
@@ -27,7 +30,8 @@ def search_document(query: str, sentences: Sequence[str], hits: Sequence[dict[st
         See `search.hits.Hit.document`.
     """
     language = next(filter(None, map(understood_language_of, sentences)), None)
-    return {"query": query, "language": language, "hits": list(hits)}
+    without = [text for sentence in sentences for text in parts_of(sentence).unwanted]
+    return {"query": query, "language": language, **({"without": without} if without else {}), "hits": list(hits)}
 
 
 def moments_document(question: Question, hits: Sequence[dict[str, Any]], curve: Curve | None = None) -> dict[str, Any]:

@@ -580,7 +580,7 @@ class Library(MarkedLibrary):
         exact: bool = False,
     ) -> Hits:
         """With `by_window` clips are ranked by their best window alone."""
-        matches = self.text_matches(" ".join(question.sentences), allowed)
+        matches = self.text_matches(" ".join(question.wanted), allowed)
 
         def answers() -> Iterator[Answer]:
             if by_window:
@@ -602,7 +602,8 @@ class Library(MarkedLibrary):
     ) -> Iterator[ClipScore]:
         query, encoder = question.vectors[0], self.bundle
         ranked = rank_clips(ExactGallery(self) if exact else self, query, allowed=allowed)
-        if isinstance(encoder, TokenEncoder) and len(question.sentences) == 1 and self.has_poses:
+        takes_away = question.wanted != question.sentences  # which token vectors would bring back
+        if isinstance(encoder, TokenEncoder) and len(question.sentences) == 1 and self.has_poses and not takes_away:
             ranked = rerank_by_tokens(encoder, self, question.sentences[0], ranked)
         if not matches:
             return ranked

@@ -62,7 +62,7 @@ const requestJson = async (url, options) => (await request(url, options)).json()
 /** @param {AbortSignal} [signal] @returns {Promise<{query: string, hits: Hit[]}>} */
 export const search = (q, filters, k, offset, signal) => requestJson(address("search", { q, k, offset, ...filters }), { signal });
 
-/** Moments of the whole library. @param {AbortSignal} [signal] @returns {Promise<{hits: Hit[], sentences?: string[], how?: "then" | "while", language?: string}>} */
+/** Moments of the whole library. @param {AbortSignal} [signal] @returns {Promise<{hits: Hit[], sentences?: string[], how?: "then" | "while", language?: string, without?: string[]}>} */
 export const moments = (q, filters, k, offset, signal) => requestJson(address("moments", { q, k, offset, ...filters }), { signal });
 
 /**

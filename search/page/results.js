@@ -166,13 +166,13 @@ async function answer(state, offset, count, signal) {
     return { hits, message: `Similar to ${query}${span}`, total: MAX_OFFSET };
   }
   if (state.q && state.moments) {
-    const { hits, sentences, how, language } = await api.moments(state.q, given, count, offset, signal);
+    const { hits, sentences, how, language, without } = await api.moments(state.q, given, count, offset, signal);
     const steps = sentences ? ` (${sentences.length} steps, ${how === "while" ? "at the same time" : "one after the other"})` : "";
-    return { hits, message: counted(hits, "moment", state.q, count) + steps + understood(language), total: MAX_OFFSET };
+    return { hits, message: counted(hits, "moment", state.q, count) + steps + understood(language, without), total: MAX_OFFSET };
   }
   if (state.q) {
-    const { hits, language } = await api.search(state.q, given, count, offset, signal);
-    return { hits, message: counted(hits, "clip", state.q, count) + understood(language), total: Infinity };
+    const { hits, language, without } = await api.search(state.q, given, count, offset, signal);
+    return { hits, message: counted(hits, "clip", state.q, count) + understood(language, without), total: Infinity };
   }
   const { motions, total } = await api.motions(filters(state), count, offset, state.sort ? { sort: state.sort } : { seed }, signal);
   const seconds = motions.reduce((sum, { duration }) => sum + duration, 0);
@@ -193,8 +193,9 @@ async function selected(state, offset, count, signal) {
 
 const plural = (/** @type {number} */ n, /** @type {string} */ thing) => `${n.toLocaleString("en")} ${thing}${n === 1 ? "" : "s"}`;
 
-/** @param {string | null | undefined} language */
-const understood = (language) => (language ? `, understood as ${language}` : "");
+/** What is said of how a question was taken. @param {string | null | undefined} language @param {string[]} [without] */
+const understood = (language, without = []) =>
+  (language ? `, understood as ${language}` : "") + (without.length ? `, without ${without.map((text) => `“${text}”`).join(", ")}` : "");
 
 /** @param {import("./api.js").Hit[]} hits @param {string} thing @param {string} q @param {number} asked how many were asked for */
 function counted(hits, thing, q, asked) {

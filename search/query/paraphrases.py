@@ -19,7 +19,7 @@ _SUBJECT = re.compile(
     r"\b(?:'s| is| are| was| were)? +"
 )
 _ADVERB = re.compile(r"\w+ly ")
-_VERBS = """
+VERBS = """
 act applaud approach ascend back balance beckon bend block bounce bow box brush bump call carry cartwheel catch charge
 check cheer circle clap clean climb close collapse comb come conduct cough cover crawl creep cringe cross crouch cry
 cut dance dash descend die dig dip dodge drag draw dribble drink drive drop duck eat embrace extend faint fall fight
@@ -38,7 +38,13 @@ welcome whirl wipe wobble write yawn
 @cache
 def _bases() -> dict[str, str]:
     """Every form of the known verbs -> its base."""
-    return {form: verb for verb in _VERBS for form in (past(verb), third_person(verb), gerund(verb), verb)}
+    return {form: verb for verb in VERBS for form in (past(verb), third_person(verb), gerund(verb), verb)}
+
+
+def is_action(text: str) -> bool:
+    """Whether a text begins with a verb, as "turning left" does and "left" does not."""
+    first = text.lower().split()[0]
+    return first.endswith("ing") or first in _bases()
 
 
 def _other_forms(bare: str) -> list[str]:

@@ -12,6 +12,7 @@ from encoders.arguments import checked_flag, checked_sentences
 from encoders.errors import QueryError
 from encoders.protocol import Encoder, unrelated_motions
 from search.query.encoding import encode_queries
+from search.query.negation import parts_of
 from search.query.steps import split
 
 #: Sentences of a question: each costs as much as a question of its own.
@@ -93,6 +94,11 @@ class EncodedQuestion:
     how: str = "alone"
     kind: str = "sentence"
     _unrelated: list[tuple[Encoder, NDArray[np.float32] | None]] = field(default_factory=list, init=False, repr=False)
+
+    @property
+    def wanted(self) -> tuple[str, ...]:
+        """The sentences without what they take away."""
+        return tuple(parts_of(sentence).wanted for sentence in self.sentences)
 
     def unrelated(self, encoder: Encoder) -> NDArray[np.float32] | None:
         """Similarity (S, M) to the model's unrelated motions; None where it carries none. Computed once."""

@@ -7,6 +7,7 @@ from difflib import get_close_matches
 
 from search.query.known_words import Words, content_words, is_known, lexicon
 from search.query.languages import language_of, understood_language_of
+from search.query.negation import parts_of
 from search.query.vocabulary import vocabulary
 from search.translation.concepts import languages
 from search.translation.english_neighbours import INSTALL
@@ -20,16 +21,31 @@ _NAMED = 5
 
 
 def remark(sentence: str, known: Words) -> str:
-    """One line on what is not understood of a sentence, with the nearest known words; empty where all is.
+    """One line on what is taken away, and what is not understood of a sentence, with the nearest known words.
+
+    Empty where nothing is taken away and all is understood.
 
     Parameters
     ----------
     known : array of str (W,)
         Sorted words in which motion is described.
     """
+    return "; ".join(filter(None, [_taken_away(sentence), _not_understood(sentence, known)]))
+
+
+def _taken_away(sentence: str) -> str:
+    parts = parts_of(sentence)
+    if not parts.unwanted:
+        return ""
+    named = "taken away: " + ", ".join(f'"{text}"' for text in parts.unwanted)
+    return f"{named}, and nothing asked for; say what shall be there, too" if parts.only_takes_away else named
+
+
+def _not_understood(sentence: str, known: Words) -> str:
     if language := understood_language_of(sentence):
         return f"understood as {language}"
-    words = content_words(sentence)
+    parts = parts_of(sentence)
+    words = content_words(" ".join([parts.wanted, *parts.unwanted]) if parts.unwanted else sentence)
     unknown = [word for word in dict.fromkeys(words) if not is_known(word, known)]
     if not words or unknown:
         language = language_of(sentence)

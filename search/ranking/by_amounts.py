@@ -25,7 +25,7 @@ _NEAR, _NEAR_SHARE = 10.0, 0.15
 
 def ranked_by_amounts(question: EncodedQuestion, answers: Iterator[Answer]) -> Iterator[Answer]:
     """The answers, the first `MEASURED` ordered by score and agreement; as they are where no amount is asked for."""
-    amounts = amounts_of(question.sentences[0]) if len(question.sentences) == 1 else Amounts()
+    amounts = amounts_of(question.wanted[0]) if len(question.sentences) == 1 else Amounts()
     if not amounts:
         yield from answers
         return

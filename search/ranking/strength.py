@@ -85,7 +85,7 @@ class Judge:
             return
         self._levels = [background_level(scores) for scores in unrelated]
         words = calibration.get("words")
-        self._downgrades = words is not None and any(is_out_of_vocabulary(text, words) for text in question.sentences)
+        self._downgrades = words is not None and any(is_out_of_vocabulary(text, words) for text in question.wanted)
 
     def __call__(self, peaks: ArrayLike) -> str:
         """The strength of a hit by its highest similarity to each query vector (S,)."""

@@ -42,6 +42,7 @@ class HitModel(BaseModel):
 class SearchResponse(BaseModel):
     query: str
     language: str | None = None
+    without: list[str] | None = None
     hits: list[HitModel]
 
 

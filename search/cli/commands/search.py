@@ -48,6 +48,8 @@ def search(
     Examples:
       motionseek search "a person limps to the left"
       motionseek search "throws a ball" -k 3 --min-duration 5 --path 'baseball/*'
+      motionseek search "walks without swinging the arms"
+      motionseek search "kicks -left"
       motionseek search "sits down" --json | jq '.hits[].path'
       motionseek search "a cartwheel" -k 20 --export cartwheels
       motionseek search "like this but slower" --like kicks/roundhouse.bvh

@@ -110,9 +110,9 @@ class ServedLibrary(Library):
 
     def stale_criterion(self, request: SearchRequest, hits: Hits) -> StaleCriterion:
         """What makes an answer stale: an added clip that scores as much as its last hit, or has its words."""
-        by_score = len(hits) == request.k and not any(map(amounts_of, request.question.sentences))
+        by_score = len(hits) == request.k and not any(map(amounts_of, request.question.wanted))
         threshold = hits[-1].score - _ROUNDING if by_score else -np.inf
-        words = words_of(" ".join(request.question.sentences))
+        words = words_of(" ".join(request.question.wanted))
         return StaleCriterion(request.question.vectors[0], threshold, tuple(words))
 
     def is_encoded(self, sentence: str) -> bool:

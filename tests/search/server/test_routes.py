@@ -45,6 +45,16 @@ def test_pages_of_a_search_make_up_one_ranking(ask):
     assert [hit["rank"] for hit in whole] == [1, 2, 3, 4, 5]
 
 
+def test_what_a_question_takes_away_is_said_and_its_pages_make_up_one_ranking(ask, run, indexed):
+    whole = ask("/api/search", q="walks -waves", k=5)
+    assert whole["without"] == ["waves"]
+    assert "without" not in ask("/api/search", q="walks", k=5)
+    assert ask("/api/moments", q="walks without waving, then sits", k=1)["without"] == ["waving"]
+    parts = [ask("/api/search", q="walks -waves", k=2, offset=offset)["hits"] for offset in (0, 2, 4)]
+    assert [hit for part in parts for hit in part] == whole["hits"]
+    assert whole["hits"] == run("search", "walks -waves", "-k", "5", "--library", indexed, "--json").document["hits"]
+
+
 @pytest.mark.parametrize(
     ("route", "given"),
     [

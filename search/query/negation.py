@@ -1,0 +1,141 @@
+"""Negation: what a sentence asks for and takes away: "walks without turning", "kicks, not left", "sits -chair"."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cache, lru_cache
+
+from encoders.english import third_person
+from search.query.languages import understood_language_of
+from search.query.paraphrases import VERBS
+
+#: What is looked for where a sentence says only what shall not be, and where that is any movement.
+ANYTHING, STILL = "a person", "a person stands still"
+
+#: What is taken away by one sentence, at most.
+_MOST = 8
+#: "-word" and '-"two words"', as search engines have it; "T-pose", "- slowly" and "-90" are none.
+_MINUS = re.compile(r"(?<!\S)[-−](?:\"(?P<quoted>[^\"]*\w[^\"]*)\"|(?P<word>[^\W\d_][\w'’-]*))")
+_AUXILIARY = "is|are|was|were|do|does|did|has|have|had|can|could|will|would|should|must"
+_NOT = rf"(?:(?:{_AUXILIARY})\s+)?(?:not|never)|cannot|(?:{_AUXILIARY}|ca|wo)n['’]?t"
+#: A part of the body that a negation is about is taken away with it: "the arms do not swing".
+_ABOUT = (
+    r"(?:with\s+)?(?P<about>(?:(?:the|his|her|their|both|one|left|right)\s+)*"
+    r"(?:arms?|hands?|legs?|feet|foot|knees?|heels?|toes|head|elbows?|shoulders?|hips?|body|torso))\s+"
+)
+_WITHOUT = r"without|w/o|instead\s+of|rather\s+than|except(?:\s+for)?|with\s+no|(?<=,\s)no"
+#: These are no negations: more than one thing, what is tried or said, and manners that have words of their own.
+_UNLESS = (
+    r"(?![-\w])(?!\s+(?:only|just|merely|simply|know)\b)(?!\s+to\s+(?!the\b|his\b|her\b|their\b|one\b))"
+    r"(?!\s+(?:(?:any|a|making\s+a)\s+)?(?:care|confidence|energy|purpose|skill|haste|hurry|hurrying|sound|noise)\b)"
+)
+_NEGATION = rf"(?:(?:who|that|which)\s+)?(?:(?:{_ABOUT})?(?:{_NOT})|{_WITHOUT}){_UNLESS}"
+_CUE = rf"(?<![-\w])(?:(?:and|but|yet|or|nor)\s+)?{_NEGATION}"
+_SAID = re.compile(r"\b(?:i|you|we|as if|as though|whether(?: or)?)\s*$", re.IGNORECASE)
+_NEGATED = re.compile(_CUE, re.IGNORECASE)
+_BETWEEN = re.compile(r"\s*,\s*(?:n?or\s+)?|\s+n?or\s+", re.IGNORECASE)
+_LITTLE = re.compile(r"^(?:(?:any|ever|even|very|too|so|much|really|quite|being)\s+)+|\s+at\s+all$", re.IGNORECASE)
+_LOOSE = re.compile(
+    r"^(?:\W|(?:and|but|or|yet)\b)+|(?:[^\w)\"°]|(?<!\w)(?:and|but|or|yet|who|that|which|is|are|while))+$",
+    re.IGNORECASE,
+)
+_BUT = re.compile(r"^\s*,?\s*but\b", re.IGNORECASE)
+_SUBJECT = re.compile(
+    r"(?:\W|\b(?:an?|the|some|this|person|man|woman|figure|human|character|actor|someone|somebody|he|she|they|is|are|"
+    r"anything|everything|anybody|everybody)\b)*",
+    re.IGNORECASE,
+)
+_MOVEMENT = re.compile(r"(?:a\s+)?(?:moves?|moved|moving|movement|motion)", re.IGNORECASE)
+#: Who does not stop goes on.
+_STOP = re.compile(r"stop(?:s|ped|ping)?\s+(?=\w+ing\b)", re.IGNORECASE)
+_NOTHING = frozenset("it this that them him her so sure much many enough yet".split())
+#: What stands before that which is taken away, in other languages.
+_FOREIGN = {
+    "Arabic": "بدون|دون",
+    "Dutch": "zonder|(?:maar|en)\\s+niet",
+    "French": "sans|(?:mais|et)\\s+pas",
+    "German": "ohne|(?:aber|und)\\s+nicht|statt",
+    "Italian": "senza|(?:ma|e)\\s+non",
+    "Polish": "bez|(?:ale|i)\\s+nie",
+    "Portuguese": "sem|(?:mas|e)\\s+não",
+    "Russian": "без|(?:но|а|и)\\s+не",
+    "Spanish": "sin|(?:pero|y)\\s+no",
+}
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a sentence asks for, and what it takes away.
+
+    Attributes
+    ----------
+    wanted : str
+        The sentence itself where nothing is negated, `ANYTHING` where nothing is asked for.
+    unwanted : tuple of str
+    """
+
+    wanted: str
+    unwanted: tuple[str, ...] = ()
+
+    @property
+    def only_takes_away(self) -> bool:
+        """Whether nothing is asked for."""
+        return self.wanted in (ANYTHING, STILL) and bool(self.unwanted)
+
+
+@lru_cache(4096)
+def parts_of(sentence: str) -> Parts:
+    """The parts of a sentence: "walks without turning or stopping -left" takes away "left", "turning" and "stopping".
+
+    In languages that put a word before what they take away ("ohne", "sans", "sin") that is understood, and "-word" in
+    all that put spaces between words.
+    """
+    language = understood_language_of(sentence)
+    unwanted = [found["quoted"] or found["word"].rstrip("-") for found in _MINUS.finditer(sentence)]
+    text = _MINUS.sub("", sentence)
+    cue, at = _foreign_cue(language) if language else _NEGATED, 0
+    while cue and len(unwanted) < _MOST and (found := cue.search(text, at)):
+        end = _reach(text, found.end())
+        items = _items(text[found.end() : end])
+        if not items or _SAID.search(text[: found.start()]):
+            at = found.end()
+            continue
+        about, goes_on = found.groupdict().get("about"), [_STOP.sub("", item) for item in items if _STOP.match(item)]
+        unwanted += [f"{about} {item}" if about else item for item in items if not _STOP.match(item)]
+        at = found.start()
+        text = " ".join([text[:at], *goes_on, _BUT.sub("", text[end:])])
+    if text == sentence:
+        return Parts(sentence)
+    wanted = " ".join(_LOOSE.sub("", text).split()).replace(" ,", ",")
+    if unwanted and not language and _SUBJECT.fullmatch(wanted):
+        wanted = STILL if all(map(_MOVEMENT.fullmatch, unwanted)) else ANYTHING
+    return Parts(wanted or ANYTHING, tuple(unwanted))
+
+
+def _foreign_cue(language: str) -> re.Pattern[str] | None:
+    words = _FOREIGN.get(language)
+    return re.compile(rf"\b(?:{words})\b", re.IGNORECASE) if words else None
+
+
+def _reach(text: str, start: int) -> int:
+    """Where that ends which is taken away from `start` on: at a comma, a verb that goes on, or the next negation."""
+    ends, listed = _limits()
+    ended = ends.search(text, start)
+    end = ended.start() if ended else len(text)
+    more = listed.match(text, end)
+    return more.end() if more else end
+
+
+@cache
+def _limits() -> tuple[re.Pattern[str], re.Pattern[str]]:
+    """What ends a negation, and more of the same after a comma, such as ", jumping or falling"; slow to compile."""
+    goes_on = rf"(?:{'|'.join(map(third_person, VERBS))})\b"
+    ends = rf"[,;.!?:()]|\s(?:but|then|while|whilst)\b|\sand\s+(?:(?:then|he|she|they|also)\b|{goes_on})|\s{_CUE}|$"
+    listed = rf"(?:,(?!\s*{goes_on})[^,;.!?:()]+?)*,?\s+n?or\s+[^,;.!?:()]+?(?={ends})"
+    return re.compile(ends, re.IGNORECASE), re.compile(listed, re.IGNORECASE)
+
+
+def _items(scope: str) -> list[str]:
+    items = (_LITTLE.sub("", item.strip()) for item in _BETWEEN.split(scope))
+    return [item for item in items if any(map(str.isalpha, item)) and item.lower() not in _NOTHING]
