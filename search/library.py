@@ -168,6 +168,8 @@ class Library(MarkedLibrary):
         k: int = 10,
         *,
         like: Ref | None = None,
+        start: float | None = None,
+        end: float | None = None,
         weight: float = WEIGHT,
         min_strength: str | None = None,
         exact: bool = False,
@@ -183,6 +185,8 @@ class Library(MarkedLibrary):
             A sentence, or a vector of the model's space, of any length, such as one of `Encoder.encode_texts`.
         like : optional
             A motion that they shall be like, too: "like this but slower".
+        start, end : float, optional
+            The span of that motion in seconds; all of it, or that of a hit, by default.
         weight : float
             How much of the question is the sentence, 0 to 1; the rest is the motion.
         exact : bool
@@ -190,7 +194,10 @@ class Library(MarkedLibrary):
         """
         if like is not None:
             checked_flag("exact", exact)
-            return self._search_like(query, like, k, checked_weight(weight), min_strength, exact, filters)
+            span = span_of(like, start, end)
+            return self._search_like(query, like, span, k, checked_weight(weight), min_strength, exact, filters)
+        if start is not None or end is not None:
+            raise ArgumentError("start and end are a span of like, which is not given")
         question = self.encode(Question.of(query, split_steps=False)) if isinstance(query, str) else self._vector(query)
         return self.search_encoded(question, k, min_strength=min_strength, exact=exact, **filters)
 
@@ -198,6 +205,7 @@ class Library(MarkedLibrary):
         self,
         query: str | ArrayLike,
         like: Ref,
+        span: tuple[float | None, float | None],
         k: int,
         weight: float,
         min_strength: str | None,
@@ -207,7 +215,7 @@ class Library(MarkedLibrary):
         if not isinstance(query, str):
             raise ArgumentError("like goes with a sentence, and a vector is given")
         source, text = self.source(like), difference_of(query)
-        vector = self.bundle.encode_motions([source.cut(*span_of(like, None, None))])[0]
+        vector = self.bundle.encode_motions([source.cut(*span)])[0]
         question = mixed(self.encode(Question.of(text, split_steps=False)), vector, weight)
         library, allowed = self.narrowed(filters, without=source.clip_id)
         return library._clip_hits(question, checked_count(k), checked_strength(min_strength), allowed, exact=exact)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
+from starlette.exceptions import HTTPException
 
 from search.documents import curve_document, description_document, moments_document, search_document
 from search.hits import Hit
 from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
 from search.query.filters import FilterArguments, refuse_filters
-from search.query.mixed import WEIGHT
+from search.query.mixed import WEIGHT, difference_of
 from search.query.question import Question
 from search.ranking.description import describe_motion
 from search.server import response_models
@@ -47,6 +48,7 @@ def routes(state: AppState) -> APIRouter:
         request: Request,
         q: Sentence,
         given: FilterParams,
+        span: SpanParams,
         like: ClipParam | None = None,
         weight: Annotated[float, Query(ge=0, le=1, description="How much counts `q`, the rest being `like`.")] = WEIGHT,
         min_strength: StrengthParam = None,
@@ -54,12 +56,16 @@ def routes(state: AppState) -> APIRouter:
         offset: OffsetParam = 0,
     ) -> Response:
         """The clips that match a sentence best, each with its best moment; with `like`, those like a clip as well."""
+        if like is None and span != (None, None):
+            raise HTTPException(422, "start, end: are a span of like, which is not given")
         if like is not None:
 
             def make() -> JsonAnswer:
-                source, count = state.source(like), offset + k
-                found = library.search(q, count, like=source, weight=weight, min_strength=min_strength, **given)
-                return JsonAnswer(search_document(q, [q], _documents(found[offset:])), found[offset:])
+                source, (start, end) = state.source(like), span
+                found = library.search(
+                    q, offset + k, like=source, start=start, end=end, weight=weight, min_strength=min_strength, **given
+                )[offset:]
+                return JsonAnswer(search_document(q, [difference_of(q)], _documents(found)), found)
 
             return bytes_response(await state.cached(_key(request), make))
         key, generation = (q, k, offset, min_strength, tuple(given.items())), library.snapshot.generation

@@ -38,6 +38,12 @@ def test_the_weight_leads_from_the_motion_to_the_sentence(indexed: Path, tiny_bu
         assert [hit.clip_id for hit in by_motion] == [number for number, _ in others]
         assert np.allclose([hit.score for hit in by_motion], [score for _, score in others], atol=1e-5)
         assert [hit.score for hit in by_text] != [hit.score for hit in by_motion]
+        cut = library.search("slowly", 100, like=clip, start=0.5, end=1.5, weight=0, min_strength="weak")
+        alike = library.bundle.encode_motions([library.motion(clip.id, 0.5, 1.5)])[0]
+        expected = library.search(alike, 100, min_strength="weak")
+        assert [hit.clip_id for hit in cut] == [hit.clip_id for hit in expected if hit.clip_id != clip.id]
+        with pytest.raises(ArgumentError, match="start and end are a span of like"):
+            library.search("slowly", start=0.5)
         with pytest.raises(ArgumentError, match="weight"):
             library.search("slowly", like=clip, weight=2)
 
