@@ -59,8 +59,11 @@ async function request(url, options) {
 /** @param {string} url @param {RequestInit} [options] */
 const requestJson = async (url, options) => (await request(url, options)).json();
 
-/** @param {AbortSignal} [signal] @returns {Promise<{query: string, hits: Hit[]}>} */
-export const search = (q, filters, k, offset, signal) => requestJson(address("search", { q, k, offset, ...filters }), { signal });
+/**
+ * @param {{like?: string, start?: string, end?: string}} like a clip that the hits shall be like, too, or a span of it
+ * @param {AbortSignal} [signal] @returns {Promise<{query: string, language?: string, hits: Hit[]}>}
+ */
+export const search = (q, like, filters, k, offset, signal) => requestJson(address("search", { q, ...like, k, offset, ...filters }), { signal });
 
 /** Moments of the whole library. @param {AbortSignal} [signal] @returns {Promise<{hits: Hit[], sentences?: string[], how?: "then" | "while", language?: string, without?: string[]}>} */
 export const moments = (q, filters, k, offset, signal) => requestJson(address("moments", { q, k, offset, ...filters }), { signal });

@@ -5,6 +5,7 @@
 import * as api from "./api.js";
 import { byId, el } from "./dom.js";
 import { go, link, read } from "./state.js";
+import { selected } from "./tray.js";
 
 const SIMILAR = 8; // clips that are offered beside the results
 
@@ -78,20 +79,22 @@ export class Compare {
     byId("compare").focus();
   }
 
-  /** Offer the results and what is similar. @param {import("./state.js").State} state @returns {Promise<import("./api.js").Hit[]>} */
+  /** Offer what is selected, the results, and what is similar. @param {import("./state.js").State} state @returns {Promise<import("./api.js").Hit[]>} */
   async #offer(state) {
     const results = this.results().filter((hit) => String(hit.clip) !== state.clip);
     const { hits } = await api.similar(state.clip, state.a, state.b, {}, SIMILAR, 0).catch(() => ({ hits: [] }));
     const similar = hits.filter((hit) => String(hit.clip) !== state.clip);
-    const groups = /** @type {[string, import("./api.js").Hit[]][]} */ ([["Results", results], ["Most similar", similar]]);
+    const picked = selected().filter(({ clip }) => String(clip) !== state.clip).map((item) => /** @type {any} */ ({ ...item, start: item.start ?? 0 }));
+    const groups = /** @type {[string, import("./api.js").Hit[]][]} */ ([["Selected", picked], ["Results", results], ["Most similar", similar]]);
     const option = (/** @type {import("./api.js").Hit} */ hit) => el("option", { value: `${hit.clip}@${hit.start.toFixed(2)}` }, hit.path);
-    const known = [...results, ...similar].some((hit) => String(hit.clip) === state.with);
+    const offered = [...picked, ...results, ...similar];
+    const known = offered.some((hit) => String(hit.clip) === state.with);
     byId("compare-with").replaceChildren(
       ...(state.with && !known ? [el("option", { value: `${state.with}@${state.c}` }, `#${state.with}`)] : []),
-      ...groups.filter(([, offered]) => offered.length).map(([label, offered]) => el("optgroup", { label }, ...offered.map(option))),
+      ...groups.filter(([, hits]) => hits.length).map(([label, hits]) => el("optgroup", { label }, ...hits.map(option))),
     );
     const chosen = [...byId("compare-with").options].find(({ value }) => value.split("@")[0] === state.with);
     if (chosen) byId("compare-with").value = chosen.value;
-    return [...results, ...similar];
+    return offered;
   }
 }

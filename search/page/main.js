@@ -57,7 +57,7 @@ async function show(state, back = false) {
   for (const id of VIEWS) byId(id).hidden = id !== where;
   document.body.classList.toggle("viewing", where === "viewer" || where === "composer");
   showQuestion(state);
-  recent.remember(state.q);
+  recent.remember(state.like ? "" : state.q);
   byId("to-grid").href = link({ ...CLOSED, view: "" });
   byId("to-map").href = link({ ...CLOSED, view: "map" });
   byId("to-compose").href = link({ ...CLOSED, view: "compose" });
@@ -122,7 +122,7 @@ async function updateLibrary() {
   if (!stats || stats.generation === generation) return;
   const changed = generation >= 0;
   generation = stats.generation;
-  if (stage) byId("library").textContent = `${stats.clips.toLocaleString("en")} clips · ${clock(stats.seconds)}`;
+  if (stage) byId("library").textContent = `${stats.clips.toLocaleString("en")} clip${stats.clips === 1 ? "" : "s"}${stats.clips ? ` · ${clock(stats.seconds)}` : ""}`;
   for (const [name, counts] of [["format", stats.formats], ["rig", stats.rigs]]) {
     const select = byId("filters").elements[name];
     select.replaceChildren(select.options[0], ...Object.keys(counts).map((value) => el("option", { value }, `${value} (${counts[value]})`)));

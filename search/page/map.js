@@ -5,7 +5,7 @@
 import * as api from "./api.js";
 import { byId, clamp, el } from "./dom.js";
 import { Points } from "./points.js";
-import { filters, go, idsOf, link } from "./state.js";
+import { filters, go, idsOf, likeness, link } from "./state.js";
 
 const COLOURS = 8; // labels with their own colour; the others share one
 const LISTED = 24; // labels
@@ -104,8 +104,8 @@ export class Plane {
     this.hits = new Map(/** @type {any} */ (ringed.filter(([i]) => i !== undefined)));
     const passed = this.points.passing.reduce((sum, one) => sum + one, 0);
     const said = [
-      state.like ? `The ${this.hits.size} most similar clips are ringed.` : "",
-      state.q && !state.like ? (sure.length ? `${this.hits.size} clips match “${state.q}”.` : `No good match for “${state.q}”; the nearest clips are ringed.`) : "",
+      state.like && !state.q ? `The ${this.hits.size} most similar clips are ringed.` : "",
+      state.q ? (sure.length ? `${hits.length < HITS ? "" : "The best "}${this.hits.size} clips for “${state.q}” are ringed.` : `No good match for “${state.q}”; the nearest clips are ringed.`) : "",
       passed < this.points.length ? `${passed.toLocaleString("en")} of ${this.points.length.toLocaleString("en")} clips pass the filters.` : "",
     ].filter(Boolean);
     byId("map-status").textContent = said.join(" ") || "Hover to play a clip. Drag to select with a lasso (with Shift: a rectangle), or Shift-click a point.";
@@ -235,6 +235,6 @@ export class Plane {
 
 /** The hits of a question or likeness, none where nothing is asked. @param {import("./state.js").State} state @returns {Promise<import("./api.js").Hit[]>} */
 async function found(state) {
-  if (state.like) return (await api.similar(state.like, state.from, state.to, filters(state), HITS, 0)).hits;
-  return state.q ? (await api.search(state.q, filters(state), HITS, 0)).hits : [];
+  if (state.q) return (await api.search(state.q, likeness(state), filters(state), HITS, 0)).hits;
+  return state.like ? (await api.similar(state.like, state.from, state.to, filters(state), HITS, 0)).hits : [];
 }

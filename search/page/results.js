@@ -5,7 +5,7 @@
 import * as api from "./api.js";
 import { byId, clamp, clock, el } from "./dom.js";
 import { asksSide, stacked } from "./stacks.js";
-import { asked, clipsOf, filters, go, link } from "./state.js";
+import { asked, clipsOf, filters, go, likeness, link } from "./state.js";
 
 const PAGE = 24;
 const MOST = 200; // hits of one request
@@ -34,6 +34,7 @@ export class Results {
       this.asked = "";
       this.show(this.state);
     });
+    byId("weaker").addEventListener("click", () => go({ strength: "weak" }));
     byId("sort").addEventListener("change", () => go({ sort: byId("sort").value }, { quietly: true }));
     byId("chips").replaceChildren(...SUGGESTIONS.map((q) => el("a", { class: "chip", href: link({ q }), "data-q": q }, q)));
   }
@@ -73,7 +74,7 @@ export class Results {
       this.asked = "";
       this.grid.clear();
       byId("status").textContent = "";
-      byId("more").hidden = true;
+      byId("more").hidden = byId("weaker").hidden = true;
       this.#notice("Request failed", /** @type {Error} */ (error).message, el("button", { type: "button", onclick: () => this.show(state) }, "Try again"));
     } finally {
       clearTimeout(waiting);
@@ -113,6 +114,8 @@ export class Results {
   #offerMore(got, asked, total) {
     this.offset += got;
     byId("more").hidden = got < asked || this.offset >= total;
+    const found = !isListing(this.state) && !this.state.ids && this.hits.some(({ strength }) => strength !== "weak");
+    byId("weaker").hidden = !found || !byId("more").hidden || Boolean(this.state.strength);
     byId("others").hidden = byId("chips").hidden || Boolean(this.state.sort) || total <= PAGE;
   }
 
@@ -127,7 +130,7 @@ export class Results {
   #wait(state) {
     byId("progress").hidden = false;
     byId("notice").hidden = true;
-    byId("status").textContent = state.q && state.moments ? `Looking for the exact moments of “${state.q}” in the whole library…` : "Searching…";
+    byId("status").textContent = state.q && state.moments && !state.like ? `Looking for the exact moments of “${state.q}” in the whole library…` : "Searching…";
   }
 
   /** @param {import("./state.js").State} state @param {any[]} hits @param {string} message */
@@ -160,18 +163,18 @@ export class Results {
 async function answer(state, offset, count, signal) {
   const given = asked(state);
   if (state.ids) return selected(state, offset, count, signal);
-  if (state.like) {
+  if (state.like && !state.q) {
     const { hits, query } = await api.similar(state.like, state.from, state.to, given, count, offset, signal);
     const span = state.from ? ` from ${state.from} to ${state.to} s` : "";
     return { hits, message: `Similar to ${query}${span}`, total: MAX_OFFSET };
   }
-  if (state.q && state.moments) {
+  if (state.q && state.moments && !state.like) {
     const { hits, sentences, how, language, without } = await api.moments(state.q, given, count, offset, signal);
     const steps = sentences ? ` (${sentences.length} steps, ${how === "while" ? "at the same time" : "one after the other"})` : "";
     return { hits, message: counted(hits, "moment", state.q, count) + steps + understood(language, without), total: MAX_OFFSET };
   }
   if (state.q) {
-    const { hits, language, without } = await api.search(state.q, given, count, offset, signal);
+    const { hits, language, without } = await api.search(state.q, likeness(state), given, count, offset, signal);
     return { hits, message: counted(hits, "clip", state.q, count) + understood(language, without), total: Infinity };
   }
   const { motions, total } = await api.motions(filters(state), count, offset, state.sort ? { sort: state.sort } : { seed }, signal);

@@ -110,7 +110,7 @@ export class Stage {
     this.repaint();
     this.before = performance.now();
     for (const event of ["scroll", "resize"]) addEventListener(event, () => (this.dirty = true), { passive: true });
-    new ResizeObserver(() => (this.dirty = true)).observe(document.body);
+    new ResizeObserver(() => this.#draw()).observe(document.body); // before the new layout is painted
     requestAnimationFrame((now) => this.#tick(now));
   }
 

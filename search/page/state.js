@@ -21,7 +21,7 @@ const MOST = 1_000_000; // clips of a selection
  * @property {string} collection
  * @property {string} strength     the least strength of a hit
  * @property {string} sort         the order: "name", "longest", "shortest", "newest"; "" the best or most varied first
- * @property {string} like         a clip: show similar clips…
+ * @property {string} like         a clip: show similar clips, of those that fit the sentence where there is one…
  * @property {string} from         …or clips similar to this span of it
  * @property {string} to
  * @property {string} ids          clips that were selected: numbers, ranges and keys, separated by commas
@@ -119,6 +119,9 @@ document.addEventListener("click", (event) => {
 export const filters = ({ min, max, path, format, rig, captioned, starred, tag, collection }) => ({
   min_duration: min, max_duration: max, path, format, rig, captioned, starred, tag, collection,
 }); // prettier-ignore
+
+/** The clip that hits shall be like, and the span of it. @param {State} state */
+export const likeness = ({ like, from, to }) => (like ? { like, start: from, end: to } : {});
 
 /** The filters of a question. @param {State} state */
 export const asked = (state) => ({ ...filters(state), min_strength: state.strength });

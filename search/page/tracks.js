@@ -32,7 +32,7 @@ export class Tracks {
     this.clip = clip;
     const count = Math.min(MIN_MOMENTS + Math.floor(duration / 60), MAX_MOMENTS);
     const steps = Boolean(state.moments);
-    this.questions = [...new Set([state.q, ...state.ask].filter(Boolean))].map((text) => [text, steps && text === state.q]);
+    this.questions = [...new Set([state.like ? "" : state.q, ...state.ask].filter(Boolean))].map((text) => [text, steps && text === state.q]);
     for (const [text, split] of this.questions) {
       const key = `${split} ${text}`;
       if (this.found.has(key)) continue;

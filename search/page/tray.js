@@ -45,6 +45,7 @@ export async function listenToTray(whenChanged) {
     el("span", { class: "export" },
       el("a", { id: "tray-download", class: "button accent", download: "motions.zip", href: "#", "data-native": true }, "Download"),
       el("label", {}, el("span", { class: "hidden" }, "Format of the archive"), el("select", { id: "tray-format", onchange: show }, ...FORMATS.map((name) => el("option", {}, name))))),
+    el("button", { type: "button", id: "tray-compare", title: "Show two of them side by side, in step", onclick: compare }, "Compare"),
     el("button", { type: "button", id: "tray-copy", onclick: copyPaths }, "Copy paths"),
     el("span", { id: "tray-marks", hidden: true },
       el("button", { type: "button", id: "tray-star", onclick: () => change({ star: true }) }, "★ Star"),
@@ -92,6 +93,16 @@ async function change(marks) {
   }
 }
 
+/** The selected clips, each once. @returns {Item[]} */
+export const selected = () => [...new Map([...items.values()].reverse().map((item) => [item.clip, item])).values()].reverse();
+
+/** Open the first of them, with the second beside it. */
+function compare() {
+  const [first, second] = selected();
+  const [a, b, c] = [first.start, first.end, second.start].map((time) => String(time ?? ""));
+  go({ ...CLOSED, clip: String(first.clip), a, b, with: String(second.clip), c });
+}
+
 const told = (text) => (byId("tray-status").textContent = text);
 
 async function copyPaths() {
@@ -119,6 +130,7 @@ function show() {
   byId("tray").hidden = !items.size;
   document.body.classList.toggle("with-tray", items.size > 0);
   byId("tray-count").textContent = `${items.size} selected`;
+  byId("tray-compare").hidden = selected().length < 2;
   const clips = [...items.keys()].slice(0, MOST);
   const link = byId("tray-download");
   link.href = clips.length ? api.archiveAddress(clips, byId("tray-format").value) : "#";
@@ -126,12 +138,12 @@ function show() {
   if (items.size) told("");
 }
 
-/** What is beside a card: to select it, to star it, and to drag it out. @param {import("./api.js").Hit} hit */
+/** What is beside a card or an open clip: to select it, to star it, and to drag it out. @param {import("./api.js").Hit} hit */
 export function tools(hit) {
   const item = itemOf(hit);
   const key = keyOf(item);
   const name = hit.path.split("/").pop();
-  const pick = /** @type {HTMLInputElement} */ (el("input", { type: "checkbox", class: "pick", "aria-label": `Select ${name}`, checked: items.has(key), onchange: () => { pick.checked ? items.set(key, item) : items.delete(key); keep(); } })); // prettier-ignore
+  const pick = /** @type {HTMLInputElement} */ (el("input", { type: "checkbox", class: "pick", title: "Select", "aria-label": `Select ${name}`, checked: items.has(key), onchange: () => { pick.checked ? items.set(key, item) : items.delete(key); keep(); } })); // prettier-ignore
   const star = el("button", { type: "button", class: "star", "aria-pressed": String(Boolean(hit.starred)), "aria-label": `Star ${name}`, title: "Star", onclick: () => toggle(star, hit) }, "★");
   const address = api.exportAddress(hit.clip, item.start, item.end, "bvh");
   const save = el("a", { class: "save", href: address, download: true, draggable: "true", title: "Download as .bvh, or drag it out", "aria-label": `Download ${name}`, "data-native": true, ondragstart: (event) => dragged(event, address, name) }, "↓");

@@ -11,6 +11,7 @@ import { frameOf, rateOf, timecode } from "./timecode.js";
 import { Timeline } from "./timeline.js";
 import { Traces } from "./traces.js";
 import { Tracks } from "./tracks.js";
+import { tools } from "./tray.js";
 
 const LONG = 900; // seconds; longer takes are fetched at half the frame rate
 const ROUNDED = 0.002; // seconds that a time may be off, being sent with three digits
@@ -78,7 +79,7 @@ export class Viewer {
     byId("viewer").classList.add("empty");
     byId("viewer-error").hidden = true;
     for (const id of ["export", "similar"]) byId(id).removeAttribute("href");
-    for (const id of ["viewer-title", "viewer-file", "viewer-captions", "described", "viewer-facts", "timecode", "time", "cut"]) byId(id).replaceChildren();
+    for (const id of ["viewer-title", "viewer-tools", "viewer-file", "viewer-captions", "described", "viewer-facts", "timecode", "time", "cut"]) byId(id).replaceChildren();
   }
 
   /** Play or pause. */
@@ -156,7 +157,7 @@ export class Viewer {
       this.info = info;
       byId("viewer").classList.remove("empty");
       this.#showInfo(info);
-      const [from, to] = [Math.max(Number(state.a) || 0, this.begin), Math.min(Number(state.b) || this.end, this.end)];
+      const [from, to] = this.#cutOf(state);
       if (this.view) {
         this.view.show(motion);
         this.timeline.poses.motion = motion;
@@ -166,7 +167,7 @@ export class Viewer {
       }
       this.timeline.open(this.end, this.begin, this.end);
       byId("zoom").hidden = this.timeline.most <= 1;
-      this.cut(Math.min(from, to), to, false);
+      this.cut(from, to, false);
       this.view?.seek(from);
       byId("viewer-status").textContent = "";
       byId("viewer-title").focus({ preventScroll: true });
@@ -177,6 +178,12 @@ export class Viewer {
       if (state.clip === this.clip) byId("big").classList.remove("loading");
     }
     this.#describe(state.clip);
+  }
+
+  /** The in and out points of a state; all of the take where they are none in it. @param {import("./state.js").State} state */
+  #cutOf({ a, b }) {
+    const [from, to] = [Math.max(Number(a) || 0, this.begin), Math.min(Number(b) || this.end, this.end)];
+    return from < to ? [from, to] : [this.begin, this.end];
   }
 
   /** The clip could not be opened. @param {Error} error @param {import("./state.js").State} state */
@@ -194,6 +201,7 @@ export class Viewer {
   /** @param {import("./api.js").MotionInfo} info */
   #showInfo(info) {
     document.title = `${info.name} – motionseek`;
+    this.hit = { ...info };
     byId("viewer-title").textContent = info.name;
     byId("viewer-file").textContent = info.root ? `#${info.clip} · ${info.root} · ${info.path}` : info.path;
     const facts = { Duration: clock(info.duration), Frames: info.source_fps ? `${info.source_frames} at ${+info.source_fps.toFixed(2)} fps` : `${info.frames}, read at ${+info.fps.toFixed(2)} fps`, Format: info.format, Rig: info.rig };
@@ -264,6 +272,7 @@ export class Viewer {
     const [start, end] = whole ? [undefined, undefined] : [from.toFixed(3), to.toFixed(3)];
     const frames = [from, to].map((time) => frameOf(time, rateOf(this.info)));
     byId("cut").textContent = whole ? "the whole take" : `${from.toFixed(2)}–${to.toFixed(2)} s · frames ${frames[0]}–${frames[1]}`;
+    byId("viewer-tools").replaceChildren(tools(Object.assign(this.hit, { start: from, end: to })));
     byId("whole").disabled = whole;
     byId("export").textContent = whole ? "Export the take" : "Export the cut";
     byId("export").href = api.exportAddress(this.clip, start, end, byId("export-format").value);

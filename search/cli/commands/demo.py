@@ -59,7 +59,7 @@ def demo(folder: Path | None, force: bool, as_json: bool) -> None:
     if as_json:
         terminal.document({"folder": str(place), "clips": summary.indexed} | report)
     program = shlex.quote("motionseek" if shutil.which("motionseek") else sys.argv[0])
-    say(f"Watch, search and export them in a browser:  {program} serve {shlex.quote(str(place))} --open")
+    say(f"Watch, search, star and export them in a browser:  {program} serve {shlex.quote(str(place))} --edit --open")
     say(f'Index your own:  {program} index FOLDER   then, in FOLDER:  {program} search "..."')
 
 

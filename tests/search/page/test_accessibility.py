@@ -39,6 +39,8 @@ _CONTRAST = """([left, top, width, height, paper]) => new Promise((done) => disp
         ("q=walks", ".card .score"),
         ("clip=1&q=walks&ask=waves&with=2", "#second-title a"),
         ("clip=999", "#viewer-error button"),
+        ("like=1&q=slower", ".card .score"),
+        ("view=compose", "#composer.empty"),
         ("view=map&q=walks", "#labels li"),
     ],
 )
@@ -49,6 +51,9 @@ def test_no_view_breaks_a_rule(opened, fragment, ready, theme):
         page.keyboard.press("f")
     if fragment == "":
         page.keyboard.press("?")
+    if "like" in fragment:
+        for place in (0, 1):
+            page.locator("#grid .pick").nth(place).check()
     if "clip=1" in fragment:
         until(page, "document.querySelectorAll('.track .line[d]').length === 2")
         page.locator("#feet").check()

@@ -146,7 +146,13 @@ def test_an_error_is_shown_and_can_be_retried(opened):
     page.wait_for_selector(CARDS)
 
 
-def test_more_that_cannot_be_had_says_so_and_is_offered_again(opened, tmp_path, bundle):
+@pytest.fixture
+def unstacked(monkeypatch):
+    """Each clip is a card, alike as they are."""
+    monkeypatch.setattr("search.stacks.background.stacks", lambda *_: [])
+
+
+def test_more_that_cannot_be_had_says_so_and_is_offered_again(opened, tmp_path, bundle, unstacked):
     for i in range(30):
         np.save(tmp_path / f"{i:02}.npy", made_motion(1.0, i).joints)
     indexing.index(tmp_path, bundle=bundle, jobs=1)
@@ -179,7 +185,7 @@ def test_script_in_captions_and_names_stays_text(opened, tmp_path, bundle):
         assert "owned" not in page.title()
 
 
-def test_similar_clips_have_pages_and_a_rig_filters_them(opened, tmp_path, bundle):
+def test_similar_clips_have_pages_and_a_rig_filters_them(opened, tmp_path, bundle, unstacked):
     for i in range(27):
         np.save(tmp_path / f"{i:02}.npy", made_motion(1.0, i).joints)
     with (tmp_path / "other.bvh").open("wb") as file:
