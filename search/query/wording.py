@@ -38,7 +38,7 @@ def _taken_away(sentence: str) -> str:
     if not parts.unwanted:
         return ""
     named = "taken away: " + ", ".join(f'"{text}"' for text in parts.unwanted)
-    return f"{named}, and nothing asked for; say what shall be there, too" if parts.only_takes_away else named
+    return f"{named}; no movement is named that shall be there" if parts.only_takes_away else named
 
 
 def _not_understood(sentence: str, known: Words) -> str:

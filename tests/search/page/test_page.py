@@ -32,6 +32,14 @@ def test_results_appear_after_typing_and_the_url_names_them(opened):
     assert page.locator("#q").input_value() == ""
 
 
+def test_what_a_question_takes_away_is_said_above_its_hits(opened):
+    page = opened("q=kicks%20-left")
+    page.wait_for_selector("#status:has-text('“kicks -left”, without “left”')")
+    page.evaluate("() => location.hash = 'q=kicks left'")
+    page.wait_for_selector("#status:has-text('“kicks left”')")
+    assert "without" not in page.locator("#status").inner_text()
+
+
 def test_clips_and_hits_are_sorted(opened):
     def durations():
         return [float(text.split(" s")[0]) for text in page.locator(".card .facts").all_inner_texts()]

@@ -141,5 +141,5 @@ def test_what_is_taken_away_is_said() -> None:
     known = lexicon(["a person walks", "kicks left", "stop moving"])
     assert remark("kicks -left", known) == 'taken away: "left"'
     assert remark("a person walks and doesn't stop", known) == 'taken away: "stop"'
-    assert remark("a person not kicking", known).startswith('taken away: "kicking", and nothing asked for')
+    assert remark("a person not kicking", known).startswith('taken away: "kicking"; no movement is named')
     assert remark("kicks without leftt", known) == 'taken away: "leftt"; did you mean "kicks without left"?'
