@@ -14,10 +14,13 @@ _WORD = re.compile(r"[^\W\d_]{2,}")
 #: Within a name such as HitReactLeft, and a number that such a name ends with: 0 and more digits, or two at most.
 _HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 _NUMBER = re.compile(r"[-_. ]?(?<!\d)(?:0\d*|\d{1,2})$")
-#: Stop words.
+#: Stop words: articles, pronouns, prepositions, conjunctions, auxiliary verbs and question words, which say nothing of
+#: what a sentence is about.
 STOP_WORDS = frozenset(
-    "an and are as at be been by for from he her his in is it its of on or she that the their them they this to was "
-    "were with".split()
+    "an the this that these those and or nor but if so than as because at by for from in into of on onto per to "
+    "with he him his she her hers it its they them their me my mine we us our ours you your yours am are be been "
+    "being is was were do does did have has had can could may might must shall should will would how what when "
+    "where which who whom whose why there".split()
 )
 #: What may be added to a word, or put for its last e.
 _ENDINGS = ("s", "es", "d", "ed", "r", "er", "ing", "ly")
