@@ -15,15 +15,13 @@ ANYTHING, STILL = "a person", "a person stands still"
 
 #: What is taken away by one sentence, at most.
 _MOST = 8
-#: "-word" and '-"two words"', as search engines have it; "T-pose", "- slowly" and "-90" are none.
-_MINUS = re.compile(r"(?<!\S)[-−](?:\"(?P<quoted>[^\"]*\w[^\"]*)\"|(?P<word>[^\W\d_][\w'’-]*))")
+#: "-word" and '-"two words"', as search engines have it; "T-pose", "a c -shape", "- slowly" and "-90" are none.
+_MINUS = re.compile(r"(?<!\S)(?<!\s[^\W\d_]\s)[-−](?:\"(?P<quoted>[^\"]*\w[^\"]*)\"|(?P<word>[^\W\d_][\w'’-]*))")
 _AUXILIARY = "is|are|was|were|do|does|did|has|have|had|can|could|will|would|should|must"
 _NOT = rf"(?:(?:{_AUXILIARY})\s+)?(?:not|never)|cannot|(?:{_AUXILIARY}|ca|wo)n['’]?t"
 #: A part of the body that a negation is about is taken away with it: "the arms do not swing".
-_ABOUT = (
-    r"(?:with\s+)?(?P<about>(?:(?:the|his|her|their|both|one|left|right)\s+)*"
-    r"(?:arms?|hands?|legs?|feet|foot|knees?|heels?|toes|head|elbows?|shoulders?|hips?|body|torso))\s+"
-)
+_PART = r"(?:arms?|hands?|legs?|feet|foot|knees?|heels?|toes|head|elbows?|shoulders?|hips?|body|torso)\b"
+_ABOUT = rf"(?P<about>(?:with\s+)?(?:(?:the|his|her|their|both|one|left|right)\s+)*{_PART})\s+"
 _WITHOUT = r"without|w/o|instead\s+of|rather\s+than|except(?:\s+for)?|with\s+no|(?<=,\s)no"
 #: These are no negations: more than one thing, what is tried or said, and manners that have words of their own.
 _UNLESS = (
@@ -31,7 +29,7 @@ _UNLESS = (
     r"(?!\s+(?:(?:any|a|making\s+a)\s+)?(?:care|confidence|energy|purpose|skill|haste|hurry|hurrying|sound|noise)\b)"
 )
 _NEGATION = rf"(?:(?:who|that|which)\s+)?(?:(?:{_ABOUT})?(?:{_NOT})|{_WITHOUT}){_UNLESS}"
-_CUE = rf"(?<![-\w])(?:(?:and|but|yet|or|nor)\s+)?{_NEGATION}"
+_CUE = rf"(?<![-\w])(?:(?:and|but|yet|or|nor)\s+(?:(?:he|she|they|it)\s+)?)?{_NEGATION}"
 _SAID = re.compile(r"\b(?:i|you|we|as if|as though|whether(?: or)?)\s*$", re.IGNORECASE)
 _NEGATED = re.compile(_CUE, re.IGNORECASE)
 _BETWEEN = re.compile(r"\s*,\s*(?:n?or\s+)?|\s+n?or\s+", re.IGNORECASE)
@@ -40,6 +38,7 @@ _LOOSE = re.compile(
     r"^(?:\W|(?:and|but|or|yet)\b)+|(?:[^\w)\"°]|(?<!\w)(?:and|but|or|yet|who|that|which|is|are|while))+$",
     re.IGNORECASE,
 )
+_COMMAS = re.compile(r"(?:\s*,)+")
 _BUT = re.compile(r"^\s*,?\s*but\b", re.IGNORECASE)
 _SUBJECT = re.compile(
     r"(?:\W|\b(?:an?|the|some|this|person|man|woman|figure|human|character|actor|someone|somebody|he|she|they|is|are|"
@@ -71,17 +70,15 @@ class Parts:
     Attributes
     ----------
     wanted : str
-        The sentence itself where nothing is negated, `ANYTHING` where nothing is asked for.
+        The sentence itself where nothing is negated, `ANYTHING` or `STILL` where nothing is asked for.
     unwanted : tuple of str
+    only_takes_away : bool
+        Whether nothing is asked for.
     """
 
     wanted: str
     unwanted: tuple[str, ...] = ()
-
-    @property
-    def only_takes_away(self) -> bool:
-        """Whether nothing is asked for."""
-        return self.wanted in (ANYTHING, STILL) and bool(self.unwanted)
+    only_takes_away: bool = False
 
 
 @lru_cache(4096)
@@ -96,21 +93,29 @@ def parts_of(sentence: str) -> Parts:
     text = _MINUS.sub("", sentence)
     cue, at = _foreign_cue(language) if language else _NEGATED, 0
     while cue and len(unwanted) < _MOST and (found := cue.search(text, at)):
-        end = _reach(text, found.end())
+        at, end = found.start(), _reach(text, found.end())
         items = _items(text[found.end() : end])
-        if not items or _SAID.search(text[: found.start()]):
+        if not items or _SAID.search(text[:at]):
             at = found.end()
             continue
-        about, goes_on = found.groupdict().get("about"), [_STOP.sub("", item) for item in items if _STOP.match(item)]
-        unwanted += [f"{about} {item}" if about else item for item in items if not _STOP.match(item)]
-        at = found.start()
-        text = " ".join([text[:at], *goes_on, _BUT.sub("", text[end:])])
+        taken, kept = _divided(found.groupdict().get("about") or "", items)
+        unwanted += taken
+        text = " ".join([text[:at], *kept, _BUT.sub("", text[end:])])
     if text == sentence:
         return Parts(sentence)
-    wanted = " ".join(_LOOSE.sub("", text).split()).replace(" ,", ",")
-    if unwanted and not language and _SUBJECT.fullmatch(wanted):
-        wanted = STILL if all(map(_MOVEMENT.fullmatch, unwanted)) else ANYTHING
-    return Parts(wanted or ANYTHING, tuple(unwanted))
+    wanted = _COMMAS.sub(",", " ".join(_LOOSE.sub("", text).split()))
+    if wanted and (language or not unwanted or not _SUBJECT.fullmatch(wanted)):
+        return Parts(wanted, tuple(unwanted))
+    return Parts(STILL if all(map(_MOVEMENT.fullmatch, unwanted)) else ANYTHING, tuple(unwanted), True)
+
+
+def _divided(about: str, items: list[str]) -> tuple[list[str], list[str]]:
+    """What is taken away of what is negated about a part of the body, or nothing, and what is still asked for."""
+    going_on = [_STOP.sub("", item) for item in items if _STOP.match(item)]
+    ended = [item for item in items if not _STOP.match(item)]
+    if any(re.search(rf"\b{_PART}", item, re.IGNORECASE) for item in items):  # then it is no subject
+        return ended, [about, *going_on]
+    return [f"{about.removeprefix('with ')} {item}".strip() for item in ended], going_on
 
 
 def _foreign_cue(language: str) -> re.Pattern[str] | None:
@@ -131,7 +136,10 @@ def _reach(text: str, start: int) -> int:
 def _limits() -> tuple[re.Pattern[str], re.Pattern[str]]:
     """What ends a negation, and more of the same after a comma, such as ", jumping or falling"; slow to compile."""
     goes_on = rf"(?:{'|'.join(map(third_person, VERBS))})\b"
-    ends = rf"[,;.!?:()]|\s(?:but|then|while|whilst)\b|\sand\s+(?:(?:then|he|she|they|also)\b|{goes_on})|\s{_CUE}|$"
+    ends = (
+        r"[,;.!?:()]|\s(?:but|then|while|whilst|so|because|as\s+if)\b|\sand\s+(?:then|he|she|they|also)\b"
+        rf"|\sand\s+{goes_on}|\s{_CUE}|$"
+    )
     listed = rf"(?:,(?!\s*{goes_on})[^,;.!?:()]+?)*,?\s+n?or\s+[^,;.!?:()]+?(?={ends})"
     return re.compile(ends, re.IGNORECASE), re.compile(listed, re.IGNORECASE)
 
