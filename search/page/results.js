@@ -165,8 +165,7 @@ async function answer(state, offset, count, signal) {
   if (state.ids) return selected(state, offset, count, signal);
   if (state.like && !state.q) {
     const { hits, query } = await api.similar(state.like, state.from, state.to, given, count, offset, signal);
-    const span = state.from ? ` from ${state.from} to ${state.to} s` : "";
-    return { hits, message: `Similar to ${query}${span}`, total: MAX_OFFSET };
+    return { hits, message: hits.length ? `Similar to ${query}` : `Nothing is like ${query}`, total: MAX_OFFSET };
   }
   if (state.q && state.moments && !state.like) {
     const { hits, sentences, how, language, without } = await api.moments(state.q, given, count, offset, signal);

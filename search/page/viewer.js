@@ -174,9 +174,8 @@ export class Viewer {
     } catch (error) {
       if (state.clip === this.clip) this.#fail(/** @type {Error} */ (error), state);
       return;
-    } finally {
-      if (state.clip === this.clip) byId("big").classList.remove("loading");
     }
+    byId("big").classList.remove("loading");
     this.#describe(state.clip);
   }
 
@@ -192,6 +191,7 @@ export class Viewer {
     this.#clear();
     byId("viewer-title").textContent = "This clip could not be opened";
     byId("viewer-status").textContent = "";
+    byId("big").classList.remove("loading");
     byId("viewer-error").hidden = false;
     const again = el("button", { type: "button", onclick: () => this.show(state) }, "Try again");
     byId("viewer-error").replaceChildren(el("p", {}, error.message), again);

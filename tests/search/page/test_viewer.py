@@ -50,6 +50,7 @@ def test_a_clip_that_cannot_be_opened_leaves_nothing_of_the_former_one(opened):
     assert not page.locator("#export").is_visible()
     assert not page.locator("#timeline").is_visible()
     assert drawn(page, "#big")[0] == 0
+    assert page.locator("#big.loading").count() == 0
     with page.expect_request(re.compile("api/motions/2")):
         page.keyboard.press("e")  # exports nothing: the next request is that of the button
         page.locator("#viewer-error button").click()
