@@ -20,6 +20,8 @@ Array = NDArray[np.float32]
 #: Clips that are laid out by t-SNE: by our own, which is quadratic, and by openTSNE (Poličar et al., 2024).
 _SAMPLE, _LARGE_SAMPLE = 1000, 20_000
 _BLOCK = 4096
+#: Similarities to landmarks that are held at once.
+_HELD = 4_000_000
 #: The part of the work that is done when the sample is laid out, for progress.
 _LAID_OUT = 0.9
 
@@ -109,9 +111,10 @@ def lay_out(
 
     landmark_points = (open_tsne if library else tsne)(landmarks, progress=laid_out)
     points = np.empty((len(vectors), 2), np.float32)
-    for first in range(0, len(vectors), _BLOCK):
+    block = max(_HELD // len(landmarks), 1)
+    for first in range(0, len(vectors), block):
         progress(_LAID_OUT + (1 - _LAID_OUT) * first / len(vectors))
-        points[first : first + _BLOCK] = _interpolate(vectors[first : first + _BLOCK] @ landmarks.T, landmark_points)
+        points[first : first + block] = _interpolate(vectors[first : first + block] @ landmarks.T, landmark_points)
     points[chosen] = landmark_points
     low, high = points.min(axis=0), points.max(axis=0)
     centre, extent = (low + high) / 2, max(float((high - low).max()), 1e-9)

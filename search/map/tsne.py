@@ -17,9 +17,11 @@ _ITERATIONS = 350
 #: Early exaggeration: attraction is multiplied by this in the first quarter of the iterations.
 _EXAGGERATION = 12
 #: Iterations of openTSNE, early and after, and between two reports of progress.
-_EARLY, _LATE, _REPORT = 250, 500, 10
-#: Numbers that have exact neighbours and repulsion in openTSNE.
+_EARLY, _LATE, _REPORT = 250, 250, 10
+#: Numbers that have exact repulsion in openTSNE.
 _SMALL = 2000
+#: The part of the work of openTSNE that finding neighbours is, and vectors that are compared with all at once.
+_FINDING, _BLOCK = 0.1, 512
 
 
 def tsne(vectors: Array, progress: Callable[[float], None] = lambda _: None) -> Array:
@@ -52,11 +54,11 @@ def open_tsne(vectors: Array, progress: Callable[[float], None] = lambda _: None
         return tsne(vectors, progress)
     from openTSNE import TSNEEmbedding
     from openTSNE.affinity import PerplexityBasedNN
+    from openTSNE.nearest_neighbors import PrecomputedNeighbors
 
-    few = len(vectors) < _SMALL
-    affinities = PerplexityBasedNN(
-        vectors, perplexity=_PERPLEXITY, method="exact" if few else "annoy", n_jobs=1, random_state=0
-    )
+    few, near = len(vectors) < _SMALL, min(int(3 * _PERPLEXITY), len(vectors) - 1)
+    nearest = PrecomputedNeighbors(*neighbours(vectors, near, lambda part: progress(_FINDING * part)))
+    affinities = PerplexityBasedNN(perplexity=_PERPLEXITY, knn_index=nearest, n_jobs=1)
     initial = _principal_components(vectors)
     initial *= 1e-4 / max(float(initial[:, 0].std()), 1e-12)
     embedding = TSNEEmbedding(
@@ -68,10 +70,28 @@ def open_tsne(vectors: Array, progress: Callable[[float], None] = lambda _: None
     ):
 
         def report(iteration: int, *_: object, before: int = before) -> None:
-            progress((before + iteration) / (_EARLY + _LATE))
+            progress(_FINDING + (1 - _FINDING) * (before + iteration) / (_EARLY + _LATE))
 
         embedding = embedding.optimize(n_iter=iterations, callbacks=[report], callbacks_every_iters=_REPORT, **settings)
     return np.asarray(embedding, np.float32)
+
+
+def neighbours(
+    vectors: Array, count: int, progress: Callable[[float], None] = lambda _: None
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """The places (N, count) of the nearest of unit vectors (N, D), in order, and their distances; all are compared."""
+    found = np.empty((len(vectors), count), np.int64)
+    distances = np.empty((len(vectors), count))
+    for first in range(0, len(vectors), _BLOCK):
+        progress(first / len(vectors))
+        away = 2 - 2 * vectors[first : first + _BLOCK] @ vectors.T
+        away[np.arange(len(away)), np.arange(first, first + len(away))] = np.inf
+        near = np.argpartition(away, count - 1, axis=1)[:, :count]
+        squares = np.take_along_axis(away, near, axis=1)
+        order = squares.argsort(axis=1, kind="stable")
+        found[first : first + _BLOCK] = np.take_along_axis(near, order, axis=1)
+        distances[first : first + _BLOCK] = np.sqrt(np.maximum(np.take_along_axis(squares, order, axis=1), 0))
+    return found, distances
 
 
 def _gradient(p: Array, points: Array) -> Array:

@@ -1,11 +1,11 @@
-"""Exact t-SNE."""
+"""Exact t-SNE, and the neighbours that openTSNE is given."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from search.map.tsne import tsne
+from search.map.tsne import neighbours, tsne
 
 
 def test_clusters_stay_apart() -> None:
@@ -23,3 +23,16 @@ def test_few_vectors_have_points_too(count: int) -> None:
     points = tsne(np.eye(count, 16, dtype=np.float32))
     assert points.shape == (count, 2)
     assert np.isfinite(points).all()
+
+
+def test_neighbours_are_the_nearest_of_all_with_their_distances() -> None:
+    vectors = np.random.default_rng(0).standard_normal((700, 8)).astype(np.float32)
+    vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
+    told: list[float] = []
+    found, distances = neighbours(vectors, 12, told.append)
+    for i in (0, 511, 512, 699):
+        away = np.linalg.norm(vectors - vectors[i], axis=1)
+        away[i] = np.inf
+        assert set(found[i]) == set(np.argsort(away)[:12])
+        np.testing.assert_allclose(distances[i], np.sort(away)[:12], atol=1e-3)
+    assert len(told) == 2
