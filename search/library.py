@@ -2,67 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import cached_property, lru_cache
-from os import PathLike
-from pathlib import Path
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from encoders.arguments import (
-    checked_count,
-    checked_flag,
-    checked_number,
-    checked_path,
-    checked_span,
-    unit_vector,
-)
+from encoders.arguments import checked_count, checked_flag, checked_span, unit_vector
 from encoders.errors import ArgumentError
-from encoders.motion import FPS, Motion
-from encoders.protocol import TokenEncoder
-from indexer.argument_checks import checked_rate, checked_up
-from indexer.store.clips import Caption, Clip
 from indexer.store.library_reader import one_snapshot
+from search.abilities.adding import GrowingLibrary
+from search.abilities.answering import AnsweringLibrary
+from search.abilities.exporting import ExportableLibrary
+from search.abilities.marking import MarkedLibrary
 from search.compose.timeline import TRANSITION, Timeline
-from search.hits import Hit, Hits
-from search.marking import MarkedLibrary
-from search.moments.across_library import answers_in_candidates, moments_across
-from search.moments.one_motion import clip_answer, moments_of
+from search.hits import Hits
+from search.moments.one_motion import moments_of
 from search.moments.queried_motion import QueriedMotion
-from search.query.filters import FilterArguments, Filters, refuse_filters
+from search.query.filters import FilterArguments, refuse_filters
 from search.query.mixed import WEIGHT, checked_weight, difference_of, mixed
 from search.query.question import EncodedQuestion, Question
-from search.ranking.alignment import RERANKED, rerank_by_alignment
-from search.ranking.answers import Answer, as_hits, checked_strength
-from search.ranking.batched import batched
-from search.ranking.by_amounts import ranked_by_amounts
-from search.ranking.clip_scores import ClipScore, ExactGallery, best_clips, rank_by_window, rank_clips
+from search.ranking.answers import checked_strength
 from search.ranking.description import Description, describe_motion
-from search.ranking.late_interaction import rerank_by_tokens
-from search.ranking.text_matches import TextMatch, fused, text_matches
-from search.references import Ref, is_vector, source_of, span_of
-from search.source import MotionSource
+from search.references import Ref, is_vector, span_of
 
 # What only some methods need is imported there, so that `motionseek search` starts fast.
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from indexer.ingest.arrays import NewClip
     from search.compose.composition import Composition
     from search.moments.segments import Segment
     from search.stacks.stacking import Copy, Progress
 
-Ids = NDArray[np.int64]
 
-#: Clips read at once, and of those found, whose moments are looked for.
-_CHUNK, _REFINED = 1000, 10
-#: Filters whose clips are cached: of a million clips at most 8 MB each.
-_FILTERS = 16
-
-
-class Library(MarkedLibrary):
+class Library(AnsweringLibrary, ExportableLibrary, GrowingLibrary, MarkedLibrary):
     """A library of motions that answers questions. Safe to share between threads.
 
     Searches answer with at most `k` hits, best first, of at least `min_strength` ("weak", "plausible" or "strong"). If
@@ -82,84 +54,6 @@ class Library(MarkedLibrary):
     `BundleMismatch` where the library holds the vectors of another model. What changes the library raises
     `LibraryLocked` while another process does.
     """
-
-    #: Whether the poses of the clips are at hand.
-    has_poses = True
-
-    def clips(self, sort: str | None = None, **filters: Unpack[FilterArguments]) -> Iterator[Clip]:
-        """The clips, read in chunks, so that memory does not grow with the library.
-
-        Parameters
-        ----------
-        sort : str, optional
-            "name", "longest", "shortest" or "newest"; in order of their numbers if not given.
-        """
-        allowed = self.allowed(**filters)
-        if sort is not None:
-            return self._chunks(self.sorted_among(sort, allowed))
-        return super().clips() if allowed is None else self._chunks(allowed)
-
-    def sorted_among(self, sort: str, allowed: Ids | None) -> Ids:
-        """Those of some ids, or of all, that are clips, by an order of `clips`."""
-        ids = self.sorted_ids(sort)
-        return ids if allowed is None else ids[np.isin(ids, allowed)]
-
-    def _chunks(self, ids: Ids) -> Iterator[Clip]:
-        for first in range(0, len(ids), _CHUNK):
-            yield from self.clips_by_id(ids[first : first + _CHUNK].tolist()).values()
-
-    def add(
-        self,
-        id: str,
-        motion: Motion | ArrayLike,
-        captions: str | Caption | Sequence[str | Caption] = (),
-        *,
-        fps: float | None = None,
-        up: str | None = None,
-    ) -> int:
-        """Add a motion as a clip, without any file; a clip of the same id is replaced. The clip's number.
-
-        Parameters
-        ----------
-        id : str
-            Its path in the library, such as "walk" or "session_1/walk".
-        motion : Motion or array (T, 22, 3)
-            A `Motion`, or joints in SMPL order in any unit and orientation.
-        captions : str, Caption, or sequence of them
-        fps : float, optional
-            Frames a second of an array; 20 if not given.
-        up : str, optional
-            The axis that is up in an array, "x", "y", "z", "-x", "-y" or "-z"; found by itself if not given.
-        """
-        from indexer.ingest.arrays import NewClip
-
-        return self.add_many([NewClip(id, motion, captions, fps, up)])[0]
-
-    def add_many(self, clips: Iterable[NewClip]) -> list[int]:
-        """Add clips as `add` does, encoded in batches; their numbers, in order.
-
-        Where one is refused, the batches before it stay. Threads of one process wait for each other.
-
-        Raises
-        ------
-        BundleError
-            If the model's vectors are not unit vectors of its size.
-        """
-        from indexer.ingest import arrays
-
-        return arrays.add(self._writable(), clips, self.bundle)
-
-    def remove(self, *ids: str) -> None:
-        """Remove clips that were added by `add` or `add_many`, all of them or none.
-
-        Raises
-        ------
-        UnknownClip
-            If an id names no such clip.
-        """
-        from indexer.ingest import arrays
-
-        arrays.remove(self._writable(), ids)
 
     @one_snapshot
     def search(
@@ -348,101 +242,6 @@ class Library(MarkedLibrary):
         return segment_motion(self.bundle, self.source(ref, fps=fps, up=up), given)
 
     @one_snapshot
-    def export(
-        self,
-        ref: Ref,
-        out: str | PathLike[str],
-        start: float | None = None,
-        end: float | None = None,
-        *,
-        fps: float | None = None,
-        up: str | None = None,
-        to_fps: float | None = None,
-        in_place: bool = False,
-        rig: str | PathLike[str] | None = None,
-        overwrite: bool = False,
-    ) -> Path:
-        """Write a motion, or a span of it, to a .bvh, .glb, .npz or .npy file; its path.
-
-        A .bvh keeps rig and frame rate of a source that has a rig, and of a .bvh file its numbers; anything else has
-        the 22 joints. Where a file is gone or has changed since it was indexed, the library's poses are written, with
-        a `MotionSeekWarning`.
-
-        Parameters
-        ----------
-        to_fps : float, optional
-            Frames a second of what is written.
-        in_place : bool
-            Leave out the way that the hips travel over the floor, as loops need it.
-        rig : path, optional
-            A file on whose skeleton a .bvh is written.
-        """
-        from search.export.cut import RATES, writable, write_cut
-
-        place, like = writable(out, overwrite), None if rig is None else checked_path("rig", rig)
-        rate = None if to_fps is None else checked_number("to_fps", to_fps)
-        if rate is not None and not RATES[0] <= rate <= RATES[1]:
-            raise ArgumentError(f"to_fps={rate:g} must be from {RATES[0]:g} to {RATES[1]:g}")
-        span = checked_span(*span_of(ref, start, end))
-        flag = checked_flag("in_place", in_place)
-        write_cut(self.source(ref, fps=fps, up=up), place, *span, fps=rate, in_place=flag, rig=like)
-        return place
-
-    @one_snapshot
-    def export_hits(
-        self, hits: Sequence[Hit], folder: str | PathLike[str], format: str = "bvh", *, overwrite: bool = False
-    ) -> list[Path]:
-        """Write the span of each hit as a file into a folder, with a table, `hits.csv`; the paths of the files.
-
-        `credits.txt` holds what the folders of the sources say about credits and terms, where they do.
-
-        Parameters
-        ----------
-        format : str
-            "bvh", which keeps the rig of a source that has one, "glb", "npz" or "npy".
-        """
-        from search.export.hit_files import export_hits
-
-        if not all(isinstance(hit, Hit) for hit in hits):
-            raise ArgumentError("hits must be hits, as search and moments give them")
-        place, flag = checked_path("folder", folder), checked_flag("overwrite", overwrite)
-        return export_hits(hits, place, format, library=self, overwrite=flag)
-
-    def render(
-        self,
-        ref: Ref,
-        out: str | PathLike[str],
-        start: float | None = None,
-        end: float | None = None,
-        *,
-        size: int = 480,
-        fps: float = FPS,
-        up: str | None = None,
-        overwrite: bool = False,
-    ) -> Path:
-        """Draw a motion, or a span of it, to a .png (a strip of poses), .gif or .mp4 (an animation); its path.
-
-        Parameters
-        ----------
-        size : int
-            Height in pixels.
-        fps : float
-            Frames a second of the animation. An array to draw is at 20; give another as a `Motion` with its own.
-
-        Raises
-        ------
-        MissingProgram
-            If there is no ffmpeg for an .mp4.
-        """
-        from search.drawing.film import write_picture
-        from search.export.cut import writable
-
-        place = writable(out, overwrite)
-        motion = self._cut(ref, start, end, None, up)
-        write_picture(motion, place, size=checked_count(size, "size"), fps=checked_number("fps", fps))
-        return place
-
-    @one_snapshot
     def similar(
         self,
         ref: Ref | list[float],
@@ -484,12 +283,7 @@ class Library(MarkedLibrary):
             return library._moment_hits(question, k, least, allowed)
         if is_cut:  # most often a part of what it is like
             return library._clip_hits(question, k, least, allowed, by_window=True)
-        found = best_clips(library, question.vectors[0], max(k, RERANKED), allowed=allowed, whole_share=1.0)
-        ranked = rerank_by_alignment(self.bundle, self, motion, found)
-        sources = self._sources([score.clip_id for score in ranked])
-        named = [(sources[score.clip_id], score) for score in ranked if score.clip_id in sources]
-        answers = [Answer(source, s.moment(source.duration), (s.score,)) for source, s in named]
-        return as_hits(self.bundle, question, answers, k, least)
+        return library._aligned_hits(question, motion, k, least, allowed)
 
     def duplicates(
         self, *, progress: Progress | None = None, **filters: Unpack[FilterArguments]
@@ -546,88 +340,6 @@ class Library(MarkedLibrary):
             timeline, library, samples=samples, seed=seed, after=before, transition=transition, allowed=allowed
         )
 
-    def source(self, ref: Ref, *, fps: float | None = None, up: str | None = None) -> MotionSource:
-        """The motion that a reference means, with what the library knows of it."""
-        return source_of(ref, self, fps=checked_rate(fps), up=checked_up(up))
-
-    @one_snapshot
-    def allowed(self, **filters: Unpack[FilterArguments]) -> Ids | None:
-        """The ids of the clips that pass the filters, sorted; None for all. Recent ones are cached: do not change."""
-        return self._passing(self.state, Filters.of(filters))
-
-    @cached_property
-    def _passing(self) -> Callable[[object, Filters], Ids | None]:
-        return lru_cache(_FILTERS)(lambda state, filters: filters.ids(self))
-
-    def narrowed(self, filters: FilterArguments, *, without: int = -1) -> tuple[Library, Ids | None]:
-        """What is searched where filters are given and one clip is left out: a library, and the ids as of `allowed`."""
-        allowed = self.allowed(**filters)
-        if without < 0:
-            return self, allowed
-        return self, np.setdiff1d(self.ids() if allowed is None else allowed, [without])
-
-    def text_matches(self, sentence: str, allowed: Ids | None) -> Mapping[int, TextMatch]:
-        """The clips that have the words of a sentence in their names, folders, captions, tags or collections."""
-        return text_matches(self, self.bundle, sentence, allowed=allowed)
-
-    def _cut(self, ref: Ref, start: float | None, end: float | None, fps: float | None, up: str | None) -> Motion:
-        return self.source(ref, fps=fps, up=up).cut(*checked_span(*span_of(ref, start, end)))
-
     def _vector(self, vector: Any, kind: str = "sentence") -> EncodedQuestion:
         """A query vector as a question."""
         return EncodedQuestion(unit_vector(vector, self.bundle.latent_size)[None], kind=kind)
-
-    def _clip_hits(
-        self,
-        question: EncodedQuestion,
-        k: int,
-        least: str | None,
-        allowed: Ids | None,
-        *,
-        by_window: bool = False,
-        exact: bool = False,
-    ) -> Hits:
-        """With `by_window` clips are ranked by their best window alone."""
-        matches = self.text_matches(" ".join(question.wanted), allowed)
-
-        def answers() -> Iterator[Answer]:
-            if by_window:
-                ranked = rank_by_window(self, question.vectors[0], allowed=allowed)
-            else:
-                ranked = self._ranked(question, allowed, matches, exact)
-            for batch in batched(ranked, _REFINED):
-                sources = self._sources([score.clip_id for score in batch])
-                for score in (score for score in batch if score.clip_id in sources):
-                    motion = QueriedMotion(self.bundle, sources[score.clip_id], question)
-                    matched = matches[score.clip_id].places if score.clip_id in matches else ()
-                    yield clip_answer(motion, score.score)._replace(matched=matched)
-
-        ranked = ranked_by_amounts(question, answers()) if self.has_poses else answers()
-        return as_hits(self.bundle, question, ranked, k, least)
-
-    def _ranked(
-        self, question: EncodedQuestion, allowed: Ids | None, matches: Mapping[int, TextMatch], exact: bool
-    ) -> Iterator[ClipScore]:
-        query, encoder = question.vectors[0], self.bundle
-        ranked = rank_clips(ExactGallery(self) if exact else self, query, allowed=allowed)
-        takes_away = question.wanted != question.sentences  # which token vectors would bring back
-        if isinstance(encoder, TokenEncoder) and len(question.sentences) == 1 and self.has_poses and not takes_away:
-            ranked = rerank_by_tokens(encoder, self, question.sentences[0], ranked)
-        if not matches:
-            return ranked
-        by_text = best_clips(self, query, len(matches), allowed=np.array(sorted(matches), np.int64))
-        return fused(ranked, by_text, matches)
-
-    def _moment_hits(self, question: EncodedQuestion, k: int, least: str | None, allowed: Ids | None) -> Hits:
-        if question.how == "alone":
-            answers = moments_across(self.bundle, self, self._source_of, question, allowed=allowed)
-        else:
-            answers = answers_in_candidates(self.bundle, self, self._sources, question, allowed=allowed)
-        ranked = ranked_by_amounts(question, answers) if self.has_poses else answers
-        return as_hits(self.bundle, question, ranked, k, least)
-
-    def _source_of(self, clip_id: int) -> MotionSource:
-        return MotionSource.of_clip(self, self.clip(clip_id))
-
-    def _sources(self, ids: Iterable[int]) -> dict[int, MotionSource]:
-        return {id: MotionSource.of_clip(self, clip) for id, clip in self.clips_by_id(ids).items()}

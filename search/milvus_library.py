@@ -32,7 +32,6 @@ from indexer.vectors.milvus.milvus_address import MilvusAddress
 from indexer.vectors.milvus.milvus_collection import CLIPS, FIELDS, MOST_ROWS, WINDOWS, MilvusCollection, Row
 from indexer.vectors.milvus.milvus_index import MilvusIndex, as_index_rows
 from search.distant_library import DistantLibrary
-from search.library import Library
 from search.query.filter_expressions import expression_of
 from search.query.filters import FilterArguments, Filters
 from search.ranking.text_matches import TextMatch, called_so
@@ -40,7 +39,7 @@ from search.references import Ref
 from search.source import MotionSource
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
+    from typing_extensions import Self, Unpack
 
 Ids = NDArray[np.int64]
 Vectors = NDArray[np.float32]
@@ -124,7 +123,7 @@ class MilvusLibrary(DistantLibrary):
 
     # Which clips there are
 
-    def narrowed(self, filters: FilterArguments, *, without: int = -1) -> tuple[Library, Ids | None]:
+    def narrowed(self, filters: FilterArguments, *, without: int = -1) -> tuple[Self, Ids | None]:
         """See `Library.narrowed`: the library whose searches have the filters' expression."""
         condition = every([self.expression(filters), f"clip != {without}" if without >= 0 else ""])
         if not condition:

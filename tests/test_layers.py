@@ -25,8 +25,8 @@ ROOMS = {
         "datasets".split()
     ),
     "search": (
-        "spans hits source references marking translation query ranking moments stacks documents export drawing "
-        "plausibility compose library distant_library milvus_library places standalone map evaluate judging generation "
+        "spans hits source references translation query ranking moments stacks documents export drawing plausibility "
+        "compose abilities library distant_library milvus_library places standalone map evaluate judging generation "
         "release server cli".split()
     ),
 }

@@ -101,6 +101,11 @@ class LibraryReader:
         self._connections.append(found)
         return found
 
+    def _writable(self) -> Path:
+        """The folder, unless the library is closed."""
+        self.connection  # noqa: B018  raises LibraryError
+        return self.folder
+
     def _file_state(self) -> os.stat_result:
         try:
             return (self.folder / FILE).stat()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from os import PathLike
-from pathlib import Path
 from typing import Any
 from unicodedata import category
 
@@ -100,11 +99,6 @@ class MarkedLibrary(StoredLibrary):
         if clip is None:
             raise UnknownClip(f"{ref!s}: is no clip of this library; index it to mark it")
         return clip.id
-
-    def _writable(self) -> Path:
-        """The folder, unless the library is closed."""
-        self.connection  # noqa: B018  raises LibraryError
-        return self.folder
 
 
 def checked_names(argument: str, given: Any) -> list[str]:

@@ -1,0 +1,1 @@
+"""What a library can do: each module a base class of `search.library.Library`."""
