@@ -19,6 +19,9 @@ class Refused(NamedTuple):
     is_motion: bool = True
 
 
+#: Endings of archives that are not read. A .gz file is read where it is named, so it is none of them.
+PACKINGS = (".tar", ".tgz", ".bz2", ".xz", ".zst", ".7z", ".rar")
+
 _XML = rb"(<[?!][^>]*>\s*)*"
 _SOLVE = "it holds markers and no skeleton: solve them in MotionBuilder or the program that recorded it, and export BVH"
 _TRUST = "to open one is to run what is in it; if you trust it and it holds arrays by name:"
@@ -49,9 +52,8 @@ REFUSED = (
     Refused("PyTorch", (".pt", ".pth"), f"{_TRUST} numpy.savez('a.npz', **torch.load('a.pt', map_location='cpu'))",
             is_motion=False),
     Refused("CSV", (".csv",), _SAVE, is_motion=False),
-    Refused("an archive of this kind", (".tar", ".tgz", ".bz2", ".xz", ".zst", ".7z", ".rar"),
-            "unpack it, or pack it as .zip", rb"7z\xbc\xaf|rar!\x1a|\xfd7zxz|bzh[1-9]1ay|.{257}ustar",
-            is_motion=False),
+    Refused("an archive of this kind", PACKINGS, "unpack it, or pack it as .zip",
+            rb"7z\xbc\xaf|rar!\x1a|\xfd7zxz|bzh[1-9]1ay|.{257}ustar", is_motion=False),
     Refused("ZIP", (".zip",), "unpack it", is_motion=False),
 )
 # fmt: on

@@ -15,6 +15,7 @@ from encoders.arguments import is_text
 from encoders.errors import UnreadableMotion
 from indexer.formats import table, zip_archive
 from indexer.formats.opening import time_of
+from indexer.formats.refused import PACKINGS
 from indexer.store.files import File
 from indexer.store.library_reader import FILE
 
@@ -24,7 +25,7 @@ LINES = ".txt"
 _OF_LIBRARY = frozenset({"vectors", "previews"})
 
 #: Archives and compressed files, which may hold motions and are not looked into.
-_PACKINGS = frozenset({".tar", ".tgz", ".gz", ".bz2", ".xz", ".zst", ".7z", ".rar"})
+_NOT_LOOKED_INTO = frozenset({*PACKINGS, ".gz"})
 
 _OTHER_NAME = "symbolic links passed over, to what is indexed under another name"
 _LOOP = "symbolic links passed over, back to a folder around them"
@@ -215,7 +216,7 @@ class _Walk:
         if file.ending == zip_archive.ENDING:
             self._add_archive(file)
             return
-        if file.ending in _PACKINGS:
+        if file.ending in _NOT_LOOKED_INTO:
             self._remarks[_PACKED].append(path)
         self.folders[dirname(path)].files.append(file)
         if state.st_ino and table.is_motion(file.ending):
