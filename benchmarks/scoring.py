@@ -22,7 +22,7 @@ from encoders.bundle.windows import encode_grids
 from encoders.metrics import average_precision, ranks
 from encoders.motion import Motion
 from indexer.datasets.captioned_takes import captioned_takes
-from indexer.datasets.labelled_clips import labelled_clips
+from indexer.datasets.questioned_archives import QuestionedArchive, questioned_labels, questioned_takes
 from search.query.encoding import encode_queries
 from search.query.vocabulary import vocabulary
 
@@ -62,18 +62,15 @@ def main() -> None:
     parser.add_argument("--bundle", type=Path)
     arguments = parser.parse_args()
     bundle = Bundle.load(arguments.bundle)
-    archive = labelled_clips(arguments.labelled)
-    takes = list(captioned_takes(arguments.captioned, arguments.captions, "val"))
-    asked = [(label, text) for label, texts in archive.queries.items() if label in archive.labels for text in texts]
-    described = {(t.description, text) for t in takes for s in t.spans for text in (t.description, *s.captions)}
-    told = sorted((about, text) for about, text in described if about and about.lower() != "unknown")
+    archive = questioned_labels(arguments.labelled)
+    takes = questioned_takes(list(captioned_takes(arguments.captioned, arguments.captions, "val")))
     known = encode_queries(bundle, vocabulary())
 
-    def parts(motions: list[Motion], named: list[tuple[str, str]]) -> Scores:
-        return similarities(bundle, motions, np.concatenate([encode_queries(bundle, [t for _, t in named]), known]))
+    def parts(of: QuestionedArchive) -> Scores:
+        return similarities(bundle, of.motions, np.concatenate([encode_queries(bundle, of.sentences), known]))
 
-    of_archive, of_takes = parts(list(archive.motions), asked), parts([t.motion for t in takes], told)
-    labels, descriptions = np.array(archive.labels), np.array([t.description for t in takes])
+    of_archive, of_takes = parts(archive), parts(takes)
+    about = np.array([description for description, _ in takes.questions])
     print("way | labelled mean AP | captioned first | first five")
     for name, score in WAYS.items():
         for penalty in (0.0, _PENALTY):
@@ -81,10 +78,8 @@ def main() -> None:
                 scores - penalty * np.sort(scores[-len(known) :], axis=0)[-_NEAREST:].mean(axis=0)
                 for scores in (score(of_archive), score(of_takes))
             )
-            right = [labels == label for label, _ in asked]
-            precision = [average_precision(row, those) for row, those in zip(by_label, right, strict=False)]
-            about = np.array([description for description, _ in told])
-            rank = ranks(by_take[: len(told)], about[:, None] == descriptions)
+            precision = [average_precision(row, those) for row, those in zip(by_label, archive.right, strict=False)]
+            rank = ranks(by_take[: len(about)], takes.right)
             one, five = (100 * np.mean([(rank[about == d] < k).mean() for d in set(about)]) for k in (1, 5))
             less = ", less hubness" if penalty else ""
             print(f"{name}{less} | {np.mean(precision):.3f} | {one:.1f} | {five:.1f}")
