@@ -14,11 +14,13 @@ from encoders.errors import LibraryDamaged, LibraryNotFound
 from indexer.ingest.scan import walk
 from indexer.maintenance.row_sums import sum_of_rows
 from indexer.maintenance.salvage import UNFINISHED
-from indexer.store import digests, poses, schema
+from indexer.store import poses, schema
 from indexer.store.files import ARRAYS_ROOT
 from indexer.store.library_reader import FILE
 from indexer.store.marks import marks_file
 from indexer.store.stored_library import StoredLibrary
+from indexer.store.tables import digests
+from indexer.store.tables.migrations import MIGRATIONS
 from indexer.vectors.library_indexes import CLIPS, WINDOWS
 
 #: Lines of SQLite's own check.
@@ -117,7 +119,7 @@ def _check_structure(connection: sqlite3.Connection, found: Findings) -> None:
     (version,) = connection.execute("PRAGMA user_version").fetchone()
     with closing(sqlite3.connect(":memory:", isolation_level=None)) as fresh:
         schema.migrate(fresh)
-        is_current = version == len(schema.MIGRATIONS)
+        is_current = version == len(MIGRATIONS)
         for table in digests.COVERED if is_current else ():
             if _columns(connection, table) != _columns(fresh, table):
                 _unreadable(found, f"the columns of {table} are not those that were made")

@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from encoders.errors import LibraryError
-from indexer.store import digests, schema
+from indexer.store import schema
 from indexer.store.files import ARRAYS_ROOT, INDEXED
 from indexer.store.library_reader import FILE
 from indexer.store.lock import write_lock
 from indexer.store.marks import marks_table
+from indexer.store.tables import digests
 
 #: What a damaged database is renamed to.
 DAMAGED = f"{FILE}.damaged"

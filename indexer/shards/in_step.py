@@ -23,10 +23,10 @@ from indexer.shards.pose_files import PoseFiles
 from indexer.shards.shard import Shard
 from indexer.shards.summaries import summary_of
 from indexer.store.clips import Caption
-from indexer.store.digests import digest
 from indexer.store.marks import marks_table
 from indexer.store.marks.marks_table import NO_MARKS
 from indexer.store.stored_library import StoredLibrary
+from indexer.store.tables.digests import digest
 from indexer.vectors.milvus.expressions import among, every
 from indexer.vectors.milvus.milvus_collection import CLIPS, WINDOWS, MilvusCollection, Row, StoredClip
 

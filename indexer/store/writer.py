@@ -17,7 +17,7 @@ from encoders.errors import LibraryError, LibraryLocked
 from encoders.motion import Motion
 from indexer.part_names import with_part
 from indexer.read_motion import ReadMotion
-from indexer.store import captions, digests, models, poses, schema
+from indexer.store import captions, models, poses, schema
 from indexer.store.captions import CaptionRow
 from indexer.store.files import ARRAYS_ROOT, FAILED, GONE, INDEXED, ArrayItem, File, FileVersion, KnownFile
 from indexer.store.lock import write_lock
@@ -25,6 +25,7 @@ from indexer.store.marks import marks_file, marks_table
 from indexer.store.models import ClipVectors
 from indexer.store.read_options import ReadOptions
 from indexer.store.spelling import path_words
+from indexer.store.tables import digests
 
 #: A file that is not gone: there is an index of those alone, without which each file would cost a look at all others.
 _AT_PATH = f"files.root_id = ? AND files.path = ? AND files.state != '{GONE}' AND files.state = ?"

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 from unicodedata import normalize
 
 from indexer.store.clips import LIVE
-from indexer.store.digests import COVERED
 from indexer.store.spelling import folded
+from indexer.store.tables.digests import COVERED
 
 STAR, TAG, COLLECTION = "star", "tag", "collection"
 #: The setting that holds the generation in which a mark last changed.

@@ -13,9 +13,9 @@ from indexer.formats.bvh import bvh_reader as reader
 from indexer.ingest import file_parts, indexing, storing
 from indexer.ingest.load import load_motion, read_motions
 from indexer.ingest.pool import Read
-from indexer.store import digests, schema
 from indexer.store.library_reader import FILE, FOLDER
 from indexer.store.stored_library import StoredLibrary
+from indexer.store.tables import digests, migrations
 from search.library import Library
 from search.references import find_source
 from tests.indexer.folders import SmallBundle, without_marks
@@ -228,7 +228,7 @@ def _downgrade(file):
     db.execute("DELETE FROM clips WHERE part != ''")
     for index_name in ("idx_clips_file_id_part", "idx_clips_clip_path"):
         db.execute(f"DROP INDEX {index_name}")
-    for column in [*(name for name, _, _ in schema._READING), "clip_path"]:
+    for column in [*(name for name, _, _ in migrations.READING), "clip_path"]:
         db.execute(f"ALTER TABLE clips DROP COLUMN {column}")
     db.execute("CREATE UNIQUE INDEX idx_clips_file_id ON clips(file_id)")
     db.execute("UPDATE files SET recipe = '[1, null, false, []]'")

@@ -13,10 +13,11 @@ from encoders.errors import ArgumentError
 from encoders.skeleton import INDEX
 from indexer.ingest.indexing import index
 from indexer.ingest.load import load_motion
-from indexer.store import digests, schema
+from indexer.store import schema
 from indexer.store.captions import Stated, stated_option
 from indexer.store.library_reader import FILE, FOLDER
 from indexer.store.stored_library import StoredLibrary
+from indexer.store.tables import digests
 from indexer.take import UP_AXES
 from search.library import Library
 from search.references import source_of
