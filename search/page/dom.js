@@ -33,6 +33,9 @@ function filled(node, attributes, children) {
 /** `document.getElementById`. @param {string} id @returns {any} */
 export const byId = (id) => document.getElementById(id);
 
+/** Load a style sheet. @param {string} href @returns {Promise<void>} */
+export const styled = (href) => new Promise((done, fail) => document.head.append(el("link", { rel: "stylesheet", href, onload: () => done(), onerror: fail })));
+
 /** A duration as text: `4.2 s`, `3:07`, `1:27:40`. @param {number} seconds */
 export function clock(seconds) {
   if (seconds < 60) return `${seconds.toFixed(1)} s`;

@@ -4,7 +4,7 @@
 
 import * as api from "./api.js";
 import { onFiles } from "./drop.js";
-import { byId, clock, el } from "./dom.js";
+import { byId, clock, el, styled } from "./dom.js";
 import { listenToFacets, showFacets } from "./facets.js";
 import { Grid } from "./grid.js";
 import { Plane } from "./map.js";
@@ -54,7 +54,7 @@ async function show(state, back = false) {
   const isNew = entry() !== here;
   const place = back ? places.get(entry()) : undefined;
   here = entry();
-  for (const id of VIEWS) byId(id).hidden = id !== where;
+  for (const id of VIEWS) byId(id).hidden = id !== where || (id === "composer" && !composer);
   document.body.classList.toggle("viewing", where === "viewer" || where === "composer");
   showQuestion(state);
   recent.remember(state.like ? "" : state.q);
@@ -108,9 +108,13 @@ onFiles();
 listenToQuestion(() => grid.focus(0));
 /** Show the editor; a first visit does not load it. */
 async function compose() {
-  const { Composer } = await import("./composer.js");
-  composer ??= new Composer(stage, isPlaying);
-  if (read().view === "compose") composer.show(read());
+  if (!composer) {
+    const [{ Composer }] = await Promise.all([import("./composer.js"), styled("compose.css")]);
+    composer ??= new Composer(stage, isPlaying);
+  }
+  if (read().view !== "compose" || read().clip) return;
+  byId("composer").hidden = false;
+  composer.show(read());
 }
 
 listenToShortcuts({ viewer, grid, togglePlaying: () => (read().view === "compose" ? composer?.toggle() : togglePlaying()) });

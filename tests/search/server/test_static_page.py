@@ -27,7 +27,7 @@ def test_what_a_browser_has_is_not_sent_again(client):
 
 
 #: What is loaded when it is needed.
-LATER = {"sign_in.html", "sign_in.js", "composer.js", "line.js"}
+LATER = {"sign_in.html", "sign_in.js", "composer.js", "line.js", "compose.css"}
 
 
 def test_the_page_is_less_than_300_kb_on_the_wire(client):
