@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -107,3 +109,19 @@ def test_filters_narrow_the_map_and_a_selection(opened, many):
     page.keyboard.press("f")
     page.locator("#filters [name=min]").fill("3")
     page.wait_for_selector("#status:has-text('0 of 10 selected clips pass the filters')")
+
+
+def test_how_far_the_layout_is_is_told(opened):
+    page = opened()
+    waiting: list = []
+    page.route(re.compile("api/map"), lambda route: waiting.append(route))
+    page.keyboard.press("m")
+    until(page, "document.getElementById('map-note').textContent === 'Loading the map…'")
+    while not waiting:
+        page.wait_for_timeout(20)
+    waiting.pop().fulfill(status=202, json={"generation": 1, "count": 100000, "progress": 0.42})
+    until(page, "document.getElementById('map-note').textContent === 'Laying out 100,000 clips… 42 %'")
+    while not waiting:
+        page.wait_for_timeout(20)
+    waiting.pop().continue_()
+    page.wait_for_selector("#labels li")

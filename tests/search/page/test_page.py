@@ -120,11 +120,21 @@ def test_the_keyboard_alone_is_enough(opened):
     assert page.locator("#help").is_visible()
 
 
-def test_a_narrow_screen_needs_no_sideways_scrolling(opened):
-    for fragment in ("q=walks", "clip=1&q=walks", "view=map"):
-        page = opened(fragment, size=(360, 740))
-        page.wait_for_timeout(500)
-        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), fragment
+@pytest.mark.parametrize(
+    ("fragment", "ready"),
+    [("q=walks", ".card .score"), ("clip=1&q=walks", ".track .moment"), ("view=map", "#labels li")],
+)
+def test_a_narrow_screen_needs_no_sideways_scrolling(opened, fragment, ready):
+    page = opened(fragment, size=(360, 740))
+    page.wait_for_selector(ready)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_on_a_narrow_screen_what_is_said_has_a_line_of_its_own(opened):
+    page = opened("q=walks", size=(390, 844))
+    said, sort = page.locator("#status").bounding_box(), page.locator("#sort").bounding_box()
+    assert said["width"] > 300
+    assert said["y"] + said["height"] <= sort["y"]
 
 
 def test_an_empty_library_says_what_to_do(opened, tmp_path, bundle):
