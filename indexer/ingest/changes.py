@@ -12,7 +12,7 @@ from unicodedata import normalize
 from encoders.errors import UnreadableMotion
 from indexer.formats.opening import MAX_BYTES, TOO_LARGE, size, state
 from indexer.ingest.scan import Scan, with_companions
-from indexer.store import read_options
+from indexer.store import file_rows, read_options
 from indexer.store.captions import Stated
 from indexer.store.files import INDEXED, File, FileVersion, KnownFile
 from indexer.store.read_options import ReadOptions
@@ -110,7 +110,7 @@ def compare(
         Path in Unicode's composed form -> what captions tables state, which takes precedence over what is requested.
     """
     changes = Changes()
-    known = writer.known(root_id)
+    known = file_rows.known(writer.connection, root_id)
     found = {file.path for file in motions}
     taken: set[int] = set()
 
@@ -183,7 +183,7 @@ class _Origins:
     def _left(self, digest: str) -> dict[ReadOptions, list[int]]:
         """The files of that content that are no longer where they were, by how they were read, the first last."""
         found: dict[ReadOptions, list[int]] = {}
-        for file_id, root_id, path, kept, before in reversed(self._writer.same_content(digest)):
+        for file_id, root_id, path, kept, before in reversed(file_rows.same_content(self._writer.connection, digest)):
             here = root_id == self._root_id
             if kept != INDEXED or (self._has_left(path) if here else _has_left(self._writer, root_id, path)):
                 found.setdefault(before, []).append(file_id)
@@ -221,7 +221,7 @@ def looked_at_again(root: Path, source: FileVersion) -> FileVersion:
 def record(writer: Writer, changes: Changes) -> None:
     """Write down all changes but those that need a file to be read."""
     for file_id, file in changes.touched:
-        writer.update_time(file_id, file)
+        file_rows.update_time(writer.connection, file_id, file)
     for file_id, root_id, file in changes.moved:
         writer.move(file_id, root_id, file)
     writer.gone(known.id for known in changes.gone)

@@ -30,6 +30,7 @@ from indexer.ingest.storing import TRIED_AGAIN, Progress, Summary, Task, read_an
 from indexer.shards.in_step import bring_in_step
 from indexer.shards.pose_files import PoseFiles
 from indexer.shards.shard import Shard
+from indexer.store import file_rows
 from indexer.store.captions import remove_side_files, stated_options
 from indexer.store.files import INDEXED
 from indexer.store.library_reader import FILE, FOLDER, library_folder
@@ -229,7 +230,7 @@ def _update(
     except OSError as error:
         raise LibraryError(f"{root}: cannot be listed ({error.strerror}), so nothing was changed") from error
     holds_files = any(folder.files for folder in scan.folders) or scan.unread
-    if not holds_files and not writer.folder.is_relative_to(root) and writer.known(root_id):
+    if not holds_files and not writer.folder.is_relative_to(root) and file_rows.known(writer.connection, root_id):
         raise LibraryError(f"{root}: is empty, so nothing was changed; is its drive connected?")
     motions = {folder.path: [file for file in folder.motions() if shard.has(file.path)] for folder in scan.folders}
     found_beside = [pair for folder in scan.folders for pair in folder.side_files(motions[folder.path])]

@@ -7,7 +7,6 @@ import os
 import sqlite3
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
 from datetime import datetime, timezone
 from hashlib import blake2b
 from pathlib import Path
@@ -17,21 +16,16 @@ from encoders.errors import LibraryError, LibraryLocked
 from encoders.motion import Motion
 from indexer.part_names import with_part
 from indexer.read_motion import ReadMotion
-from indexer.store import captions, models, poses, schema
+from indexer.store import captions, file_rows, models, poses, schema
 from indexer.store.captions import CaptionRow
-from indexer.store.files import ARRAYS_ROOT, FAILED, GONE, INDEXED, ArrayItem, File, FileVersion, KnownFile
+from indexer.store.file_rows import AT_PATH
+from indexer.store.files import ARRAYS_ROOT, FAILED, GONE, INDEXED, ArrayItem, File, FileVersion
 from indexer.store.lock import write_lock
 from indexer.store.marks import marks_file, marks_table
 from indexer.store.models import ClipVectors
 from indexer.store.read_options import ReadOptions
 from indexer.store.spelling import path_words
 from indexer.store.tables import digests
-
-#: A file that is not gone: there is an index of those alone, without which each file would cost a look at all others.
-_AT_PATH = f"files.root_id = ? AND files.path = ? AND files.state != '{GONE}' AND files.state = ?"
-
-#: What the digest of a file begins with that failed once, and that is tried again as the digest is not its own.
-_ONCE = "once "
 
 
 class Writer:
@@ -111,56 +105,25 @@ class Writer:
         path: str = self.connection.execute("SELECT path FROM roots WHERE id = ?", (root_id,)).fetchone()[0]
         return (self.folder / path).resolve()
 
-    def known(self, root_id: int) -> dict[str, KnownFile]:
-        """The files of a root that were there when it was last indexed, by path."""
-        rows = self.connection.execute(
-            "SELECT id, path, size, mtime_ns, hash, recipe, state FROM files WHERE root_id = ? AND state != ?",
-            (root_id, GONE),
-        )
-        return {
-            path: KnownFile(file_id, path, size, mtime_ns, digest, ReadOptions.of(recipe), state)
-            for file_id, path, size, mtime_ns, digest, recipe, state in rows
-        }
-
-    def update_time(self, file_id: int, file: File) -> None:
-        """A file has a new time and the old content."""
-        self.connection.execute(
-            "UPDATE files SET size = ?, mtime_ns = ? WHERE id = ?", (file.size, file.mtime_ns, file_id)
-        )
-
     def fail(self, source: FileVersion, reason: str, *, doubted: bool = False) -> bool:
         """Record that a file cannot be read; the clips of an earlier version of it are gone.
 
         With `doubted` the reason may not lie in the content: the first time it is recorded so that the file is tried
         again at the next run, and clips of an earlier version stay until then. Whether it was.
         """
-        once = f"{_ONCE}{source.hash}"
-        if doubted and not self._has_failed(source, once):
-            where = (source.root_id, source.file.path, INDEXED)
-            kept = self.connection.execute(f"UPDATE files SET hash = ?, size = -1 WHERE {_AT_PATH}", (once, *where))
-            if not kept.rowcount:
-                self._insert(replace(source, hash=once, file=replace(source.file, size=-1)), FAILED, reason)
+        if doubted and not file_rows.has_failed(self.connection, source):
+            file_rows.fail_once(self.connection, source, reason)
             return True
         self._retire(source)
-        self._insert(source, FAILED, reason)
+        file_rows.insert(self.connection, source, FAILED, reason)
         return False
-
-    def _has_failed(self, source: FileVersion, once: str) -> bool:
-        """Whether this content could not be read when it was last tried."""
-        where = (source.root_id, source.file.path)
-        rows = (
-            self.connection.execute(f"SELECT hash FROM files WHERE {_AT_PATH}", (*where, state)).fetchone()
-            for state in (FAILED, INDEXED)
-        )
-        failed, indexed = (row and row[0] for row in rows)
-        return failed in (source.hash, once) or indexed == once
 
     def add(self, source: FileVersion, clips: Sequence[tuple[ReadMotion, ClipVectors]], model_id: int) -> list[int]:
         """Store the clips of a file, new or its new content, each with the captions that name its path; their ids.
 
         A clip that was there is known by its part; one whose part is no longer there is gone.
         """
-        file_id = self._file(source)
+        file_id = file_rows.put(self.connection, source)
         ids = []
         for read, vectors in clips:
             clip_id, is_new = self._clip(file_id, source.file, read)
@@ -218,7 +181,7 @@ class Writer:
         root_id = self._arrays_root()
         # Never that of a file.
         digest = blake2b(read.motion.joints.tobytes(), digest_size=16, person=b"array").hexdigest()
-        file_id = self._file(FileVersion(root_id, item, digest, ReadOptions()))
+        file_id = file_rows.put(self.connection, FileVersion(root_id, item, digest, ReadOptions()))
         clip_id, is_new = self._clip(file_id, item, read)
         captions.replace_of_clip(self.connection, root_id, clip_id, rows, is_new=is_new)
         marks_table.attach(self.connection, clip_id, root_id, item.path)
@@ -231,7 +194,7 @@ class Writer:
         Its row stays, as of a file that has vanished, so that vector indexes learn that it went.
         """
         row = self.connection.execute(
-            f"SELECT clips.id, files.id FROM clips JOIN files ON files.id = clips.file_id WHERE {_AT_PATH}",
+            f"SELECT clips.id, files.id FROM clips JOIN files ON files.id = clips.file_id WHERE {AT_PATH}",
             (self._arrays_root(), id, INDEXED),
         ).fetchone()
         if row is None:
@@ -255,7 +218,7 @@ class Writer:
     def move(self, file_id: int, root_id: int, file: File) -> None:
         """A file has moved, or is back; its clips keep all that belongs to them."""
         db = self.connection
-        db.execute(f"DELETE FROM files WHERE {_AT_PATH}", (root_id, file.path, FAILED))
+        db.execute(f"DELETE FROM files WHERE {AT_PATH}", (root_id, file.path, FAILED))
         db.execute(
             "UPDATE files SET root_id = ?, path = ?, size = ?, mtime_ns = ?, state = ? WHERE id = ?",
             (root_id, file.path, file.size, file.mtime_ns, INDEXED, file_id),
@@ -277,28 +240,6 @@ class Writer:
             self.connection.execute("DELETE FROM files WHERE id = ? AND state = ?", (file_id, FAILED))
             self.connection.execute("UPDATE files SET state = ? WHERE id = ?", (GONE, file_id))
             self.connection.execute("UPDATE clips SET generation = ? WHERE file_id = ?", (self._generation, file_id))
-
-    def same_content(self, digest: str) -> list[tuple[int, int, str, str, ReadOptions]]:
-        """Indexed or gone files of that content: id, root id, path, state, options."""
-        rows = self.connection.execute(
-            "SELECT id, root_id, path, state, recipe FROM files WHERE hash = ? AND state != ? ORDER BY id",
-            (digest, FAILED),
-        )
-        return [(*row[:4], ReadOptions.of(row[4])) for row in rows]
-
-    def _file(self, source: FileVersion) -> int:
-        """The row of an indexed file, inserted or updated."""
-        row = self.connection.execute(
-            f"SELECT id FROM files WHERE {_AT_PATH}",
-            (source.root_id, source.file.path, INDEXED),
-        ).fetchone()
-        if row is None:
-            return self._insert(source, INDEXED, None)
-        self.connection.execute(
-            "UPDATE files SET size = ?, mtime_ns = ?, hash = ?, recipe = ? WHERE id = ?",
-            (source.file.size, source.file.mtime_ns, source.hash, source.options.text(), row[0]),
-        )
-        return int(row[0])
 
     def _clip(self, file_id: int, file: File, read: ReadMotion) -> tuple[int, bool]:
         """The row of one of a file's clips, inserted or updated: its id, and whether it is new."""
@@ -326,19 +267,9 @@ class Writer:
         cursor = db.execute(f"INSERT INTO clips({', '.join(values)}) VALUES ({marks})", tuple(values.values()))
         return int(cursor.lastrowid or 0), True
 
-    def _insert(self, source: FileVersion, state: str, reason: str | None) -> int:
-        db, file = self.connection, source.file
-        db.execute(f"DELETE FROM files WHERE {_AT_PATH}", (source.root_id, file.path, FAILED))
-        cursor = db.execute(
-            "INSERT INTO files(root_id, path, size, mtime_ns, hash, recipe, state, reason) "
-            "VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
-            (source.root_id, file.path, file.size, file.mtime_ns, source.hash, source.options.text(), state, reason),
-        )
-        return int(cursor.lastrowid or 0)
-
     def _retire(self, source: FileVersion) -> None:
         rows = self.connection.execute(
-            f"SELECT id FROM files WHERE {_AT_PATH}",
+            f"SELECT id FROM files WHERE {AT_PATH}",
             (source.root_id, source.file.path, INDEXED),
         ).fetchall()
         self.gone(row[0] for row in rows)
