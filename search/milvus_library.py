@@ -27,9 +27,10 @@ from indexer.store.marks.marks_table import Marks
 from indexer.store.spelling import folded
 from indexer.store.stored_library import CaptionVectors
 from indexer.vectors.blocks import IndexRows
+from indexer.vectors.milvus.collection_schema import CLIPS, FIELDS, WINDOWS, Row
 from indexer.vectors.milvus.expressions import among, either, every, like, quoted
 from indexer.vectors.milvus.milvus_address import MilvusAddress
-from indexer.vectors.milvus.milvus_collection import CLIPS, FIELDS, MOST_ROWS, WINDOWS, MilvusCollection, Row
+from indexer.vectors.milvus.milvus_collection import MOST_ROWS, MilvusCollection
 from indexer.vectors.milvus.milvus_index import MilvusIndex, as_index_rows
 from search.distant_library import DistantLibrary
 from search.query.filter_expressions import expression_of

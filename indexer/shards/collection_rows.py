@@ -17,7 +17,7 @@ from indexer.shards.shard import clip_number, slot_of
 from indexer.store.clips import Caption, Clip
 from indexer.store.marks.marks_table import NO_MARKS, Marks
 from indexer.store.spelling import folded
-from indexer.vectors.milvus.milvus_collection import FIELDS, Row
+from indexer.vectors.milvus.collection_schema import FIELDS, Row
 
 #: Bytes of the captions and warnings of a clip; Milvus takes 64 kB with all the rest, so further ones are left out.
 _MOST_BYTES = 48_000

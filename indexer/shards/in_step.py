@@ -27,8 +27,9 @@ from indexer.store.marks import marks_table
 from indexer.store.marks.marks_table import NO_MARKS
 from indexer.store.stored_library import StoredLibrary
 from indexer.store.tables.digests import digest
+from indexer.vectors.milvus.collection_schema import CLIPS, WINDOWS, Row, StoredClip
 from indexer.vectors.milvus.expressions import among, every
-from indexer.vectors.milvus.milvus_collection import CLIPS, WINDOWS, MilvusCollection, Row, StoredClip
+from indexer.vectors.milvus.milvus_collection import MilvusCollection
 
 #: Clips that are read, and sent, at once.
 _READ, _SENT = 500, 64

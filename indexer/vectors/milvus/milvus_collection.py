@@ -1,7 +1,6 @@
 """MilvusCollection: the clips of any number of libraries in one collection of Milvus, with all that hits show of them.
 
-Three partitions have rows of one form. "clips" has a row a clip, its vector as a whole and what is known of it;
-"windows" a row a window, with what filters ask; "state" who has written what, and with which model.
+`collection_schema` says what its rows are.
 
 Milvus has no transactions. So a clip is what its one row says: windows name the version of the clip that they belong
 to, and those of another version are not there for readers. What changes a clip writes its new windows first, then its
@@ -14,7 +13,6 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from hashlib import blake2b
 from itertools import islice
 from typing import Any
@@ -23,88 +21,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.errors import BundleMismatch, LibraryError, LibraryNotFound
+from indexer.vectors.milvus.collection_schema import CLIPS, STATE, WINDOWS, Row, StoredClip, schema_of, state_row
 from indexer.vectors.milvus.expressions import among, every
 from indexer.vectors.milvus.milvus_address import MilvusAddress
 from indexer.vectors.milvus.milvus_server import TIMEOUT, MilvusServer
 
-Row = dict[str, Any]
-
-CLIPS, WINDOWS, STATE = "clips", "windows", "state"
-#: Fields that every row has besides its key and vector; name -> type of Milvus and, for text, most bytes.
-FIELDS: dict[str, tuple[str, int]] = {
-    "clip": ("INT64", 0),
-    "version": ("INT64", 0),
-    "slot": ("INT64", 0),
-    "start": ("FLOAT", 0),
-    "end": ("FLOAT", 0),
-    "length": ("FLOAT", 0),
-    "duration": ("DOUBLE", 0),
-    "root": ("VARCHAR", 1024),
-    "path": ("VARCHAR", 8192),
-    "folded": ("VARCHAR", 16384),
-    "name": ("VARCHAR", 2048),
-    "rig": ("VARCHAR", 2048),
-    "format": ("VARCHAR", 64),
-    "captioned": ("BOOL", 0),
-    "starred": ("BOOL", 0),
-    "splits": ("ARRAY", 1024),
-    "tags": ("ARRAY", 1024),
-    "collections": ("ARRAY", 1024),
-    "document": ("JSON", 65_536),
-}
 #: What tells the rows of a partition: the length of a window, nothing for a clip as a whole.
 _OF_PART = {CLIPS: "length == 0", WINDOWS: "length > 0"}
-#: What Milvus keeps lists of, to filter by.
-_INDEXED = ("clip", "slot")
-_MOST_OF_ARRAY = 256
 #: The most rows that Milvus answers with at once.
 MOST_ROWS = 16_384
 #: Rows that are written in one call, and clips whose rows are looked for in one.
 _WRITTEN, _CLIPS_ASKED = 512, 512
 _FORMAT = 1
 _ABOUT = "about"
-#: The kind of index and its parameters: milvus-lite compares all rows, a server walks a graph (Malkov and Yashunin,
-#: IEEE TPAMI 42, 2020).
-_INDEX_OF_LITE: tuple[str, Row] = ("FLAT", {})
-_INDEX: tuple[str, Row] = ("HNSW", {"M": 32, "efConstruction": 256})
-
-
-@dataclass(frozen=True)
-class StoredClip:
-    """A clip as it goes into a collection.
-
-    Attributes
-    ----------
-    fields : dict
-        Those of `FIELDS` but for the span.
-    vector : float16 array (D,)
-    lengths, starts, ends : float32 arrays (n,)
-        Of its windows, seconds; of which length of the grid each is.
-    vectors : float16 array (n, D)
-    """
-
-    fields: Row
-    vector: NDArray[np.float16]
-    lengths: NDArray[np.float32]
-    starts: NDArray[np.float32]
-    ends: NDArray[np.float32]
-    vectors: NDArray[np.float16]
-
-    def clip_row(self) -> Row:
-        """The row of the clip as a whole."""
-        end = self.fields["duration"]
-        return self._row(f"{self.fields['clip']:x}", self.vector, 0.0, end, 0.0, self.fields["document"])
-
-    def window_rows(self) -> Iterator[Row]:
-        """The rows of its windows."""
-        parts = zip(self.vectors, self.starts.tolist(), self.ends.tolist(), self.lengths.tolist(), strict=True)
-        for number, (vector, start, end, length) in enumerate(parts):
-            key = f"{self.fields['clip']:x}.{self.fields['version']:x}.{number:x}"
-            yield self._row(key, vector, start, end, length, {})
-
-    def _row(self, key: str, vector: Any, start: float, end: float, length: float, document: Row) -> Row:
-        span = {"start": start, "end": end, "length": length, "document": document}
-        return self.fields | span | {"key": key, "vector": vector.astype(np.float32)}
 
 
 class MilvusCollection:
@@ -276,7 +205,7 @@ class MilvusCollection:
         """Make the collection; where others do so at the same time, it is theirs."""
         fingerprint, name, size = model
         self.size = size
-        schema, index = self._schema(size)
+        schema, index = schema_of(size, is_lite=self.is_lite)
         try:
             if not self._call("has_collection"):
                 self._call("create_collection", schema=schema, index_params=index, consistency_level="Bounded")
@@ -292,24 +221,6 @@ class MilvusCollection:
         self._call("load_collection")
         if not any(row["key"] == _ABOUT for row in self._state()):
             self._write_state(_ABOUT, {"format": _FORMAT, "fingerprint": fingerprint, "model": name, "size": size})
-
-    def _schema(self, size: int) -> tuple[Any, Any]:
-        from pymilvus import DataType, MilvusClient
-
-        schema = MilvusClient.create_schema(auto_id=False, enable_dynamic_field=False)
-        schema.add_field("key", DataType.VARCHAR, max_length=64, is_primary=True)
-        schema.add_field("vector", DataType.FLOAT_VECTOR, dim=size)
-        for field, (kind, most) in FIELDS.items():
-            bounded = {"max_length": most} if kind in ("VARCHAR", "ARRAY") else {}
-            if kind == "ARRAY":
-                bounded |= {"element_type": DataType.VARCHAR, "max_capacity": _MOST_OF_ARRAY}
-            schema.add_field(field, getattr(DataType, kind), **bounded)
-        index = MilvusClient.prepare_index_params()
-        kind, parameters = _INDEX_OF_LITE if self.is_lite else _INDEX
-        index.add_index("vector", index_type=kind, metric_type="IP", params=parameters)
-        for field in _INDEXED:
-            index.add_index(field, index_type="INVERTED")
-        return schema, index
 
     def _is_whole(self) -> bool:
         """Whether the collection has been made to its end."""
@@ -340,11 +251,7 @@ class MilvusCollection:
             return []
 
     def _write_state(self, key: str, document: Row) -> None:
-        blank = {"VARCHAR": "", "ARRAY": [], "JSON": document, "BOOL": False}
-        row = {field: blank.get(kind, 0) for field, (kind, _) in FIELDS.items()}
-        vector = np.zeros(self.size, np.float32)
-        vector[0] = 1.0
-        self._call("upsert", data=[row | {"key": key, "vector": vector, "length": -1.0}], partition_name=STATE)
+        self._call("upsert", data=[state_row(key, document, self.size)], partition_name=STATE)
 
     def _parameters(self) -> Any:
         """k -> how far the index of the collection is searched for so many rows."""

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from encoders.arguments import checked_count, checked_vectors
 from indexer.vectors.blocks import IndexRows, SearchResult
+from indexer.vectors.milvus.collection_schema import CLIPS, Row
 from indexer.vectors.milvus.expressions import among, every
-from indexer.vectors.milvus.milvus_collection import CLIPS, MOST_ROWS, MilvusCollection, Row
+from indexer.vectors.milvus.milvus_collection import MOST_ROWS, MilvusCollection
 
 
 class MilvusIndex:

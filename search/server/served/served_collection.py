@@ -13,8 +13,8 @@ from encoders.errors import MotionSeekError
 from encoders.protocol import Encoder
 from indexer.store.clips import Clip
 from indexer.vectors.blocks import IndexRows
+from indexer.vectors.milvus.collection_schema import CLIPS
 from indexer.vectors.milvus.milvus_address import MilvusAddress
-from indexer.vectors.milvus.milvus_collection import CLIPS
 from search.milvus_library import MilvusLibrary
 from search.query.filters import FilterArguments
 from search.server.served.served_library import ServedLibrary

@@ -20,9 +20,10 @@ from indexer.shards.in_step import bring_in_step, out_of_step
 from indexer.shards.pose_files import PoseFiles
 from indexer.shards.shard import WHOLE, Shard
 from indexer.store.stored_library import StoredLibrary
+from indexer.vectors.milvus.collection_schema import CLIPS, STATE, WINDOWS
 from indexer.vectors.milvus.expressions import among
 from indexer.vectors.milvus.milvus_address import MilvusAddress
-from indexer.vectors.milvus.milvus_collection import CLIPS, STATE, WINDOWS, MilvusCollection
+from indexer.vectors.milvus.milvus_collection import MilvusCollection
 from indexer.vectors.milvus.milvus_index import MilvusIndex
 from indexer.vectors.milvus.milvus_server import MilvusServer
 from tests.search.conftest import made_motion

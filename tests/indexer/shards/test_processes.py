@@ -18,8 +18,9 @@ import pytest
 pytest.importorskip("milvus_lite")
 
 from encoders.bundle.bundle import Bundle
+from indexer.vectors.milvus.collection_schema import CLIPS, WINDOWS
 from indexer.vectors.milvus.milvus_address import MilvusAddress
-from indexer.vectors.milvus.milvus_collection import CLIPS, WINDOWS, MilvusCollection
+from indexer.vectors.milvus.milvus_collection import MilvusCollection
 from tests.conftest import ROOT
 from tests.search.conftest import made_motion
 

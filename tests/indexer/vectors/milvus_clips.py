@@ -12,7 +12,8 @@ import numpy as np
 from indexer.vectors.blocks import IndexRows
 
 if TYPE_CHECKING:
-    from indexer.vectors.milvus.milvus_collection import MilvusCollection, StoredClip
+    from indexer.vectors.milvus.collection_schema import StoredClip
+    from indexer.vectors.milvus.milvus_collection import MilvusCollection
 
 MODEL = ("f" * 64, "tiny")
 
@@ -32,7 +33,7 @@ def opened(file: Path, size: int, fingerprint: str = MODEL[0]) -> Iterator[Milvu
 
 def made_clip(number: int, windows: IndexRows, version: int = 1, path: str | None = None) -> StoredClip:
     """A clip whose windows are rows, and whose vector is that of the first of them."""
-    from indexer.vectors.milvus.milvus_collection import FIELDS, StoredClip
+    from indexer.vectors.milvus.collection_schema import FIELDS, StoredClip
 
     blank = {"VARCHAR": "", "ARRAY": [], "JSON": {}, "BOOL": False}
     fields = {name: blank.get(kind, 0) for name, (kind, _) in FIELDS.items()}
