@@ -160,9 +160,11 @@ def _run(arguments: list[str], *, debug: bool) -> int:
 
 def _was_interrupted(error: BaseException | None) -> bool:
     """Whether an error comes of Ctrl-C: a module that is interrupted in its import raises an error of its own."""
-    while error is not None:
+    seen: list[BaseException] = []  # what retries raise may be its own context
+    while error is not None and error not in seen:
         if isinstance(error, KeyboardInterrupt):
             return True
+        seen.append(error)
         error = error.__cause__ or error.__context__
     return False
 

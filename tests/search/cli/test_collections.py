@@ -56,6 +56,7 @@ def test_a_collection_out_of_step_is_named_and_brought_in_step(run: Run, archive
         (["index", "archive", "--poses", "poses"], "give vectors"),
         (["check", "archive", "--shard", "1/2"], "--vectors"),
         (["search", "walks", "--library", "none.db"], "none.db"),
+        (["search", "walks", "--library", "milvus://127.0.0.1:9/mocap"], "milvus://127.0.0.1:9/mocap: "),
         (["serve", "archive", "--vectors", "all.db"], "cannot be combined"),
     ],
 )

@@ -14,6 +14,7 @@ import click
 import numpy as np
 import pytest
 
+from encoders.errors import MotionSeekError
 from search.cli.main import COMMANDS, cli
 from tests.search.conftest import Run
 
@@ -346,6 +347,19 @@ def test_wrong_usage_gets_the_advice_that_fits(
     assert ran.code == 2
     assert advice in ran.err
     assert ran.err.count("\n") == 1
+
+
+def test_an_error_that_is_its_own_context_is_one_line(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the errors of clients that try again are; what looks along the chain must come to its end."""
+
+    def fails(*given: object, **options: object) -> None:
+        error, other = MotionSeekError("no answer"), ValueError()
+        error.__context__, other.__context__ = other, error
+        raise error
+
+    monkeypatch.setattr("search.cli.options.open_library", fails)
+    ran = run("search", "walks")
+    assert (ran.code, ran.err) == (1, "motionseek: no answer\n")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals")
