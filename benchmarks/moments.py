@@ -34,7 +34,7 @@ from search.moments.queried_motion import QueriedMotion
 from search.moments.window_scores import join, score_windows
 from search.query.encoding import encode_queries
 from search.query.question import EncodedQuestion
-from search.ranking.clip_scores import rank_windows
+from search.ranking.window_ranking import rank_windows
 from search.source import MotionSource
 from search.spans import temporal_iou
 

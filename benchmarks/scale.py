@@ -25,7 +25,8 @@ from search.library import Library
 from search.query.amounts import amounts_of
 from search.query.encoding import encode_queries
 from search.query.question import EncodedQuestion
-from search.ranking.clip_scores import ExactGallery, best_clips
+from search.ranking.clip_scores import best_clips
+from search.ranking.galleries import ExactGallery
 
 _SHARES = (1.0, 0.1, 0.01, 0.001)
 _PIECE = 1 << 14

@@ -18,9 +18,11 @@ from search.ranking.alignment import RERANKED, rerank_by_alignment
 from search.ranking.answers import Answer, as_hits
 from search.ranking.batched import batched
 from search.ranking.by_amounts import ranked_by_amounts
-from search.ranking.clip_scores import ClipScore, ExactGallery, best_clips, rank_by_window, rank_clips
+from search.ranking.clip_scores import ClipScore, best_clips, rank_clips
+from search.ranking.galleries import ExactGallery
 from search.ranking.late_interaction import rerank_by_tokens
 from search.ranking.text_matches import TextMatch, fused, text_matches
+from search.ranking.window_ranking import rank_by_window
 from search.source import MotionSource
 
 #: Clips of those found whose moments are looked for at once.

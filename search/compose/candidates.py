@@ -16,7 +16,7 @@ from encoders.protocol import Encoder
 from indexer.store.stored_library import StoredLibrary
 from search.compose.rotations import Rotated
 from search.compose.timeline import Interval
-from search.ranking.clip_scores import rank_windows
+from search.ranking.window_ranking import rank_windows
 from search.source import MotionSource
 from search.spans import Moment
 

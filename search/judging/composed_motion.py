@@ -24,7 +24,7 @@ from search.library import Library
 from search.plausibility.ground import foot_sliding
 from search.plausibility.seams import transition_distances
 from search.query.encoding import encode_queries
-from search.ranking.clip_scores import rank_windows
+from search.ranking.window_ranking import rank_windows
 from search.source import MotionSource
 
 Array = NDArray[np.float64]

@@ -16,7 +16,8 @@ from search.moments.queried_motion import QueriedMotion
 from search.query.question import EncodedQuestion
 from search.ranking.answers import Answer
 from search.ranking.batched import batched
-from search.ranking.clip_scores import ClipGallery, WindowGallery, rank_candidate_clips, rank_windows
+from search.ranking.galleries import ClipGallery, WindowGallery
+from search.ranking.window_ranking import rank_candidate_clips, rank_windows
 from search.source import MotionSource
 from search.spans import Moment
 

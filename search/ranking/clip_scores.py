@@ -6,17 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from heapq import heappop, heappush
 from itertools import islice
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.bundle.windows import LENGTHS
-from indexer.store.stored_library import StoredLibrary
 from indexer.vectors.blocks import IndexRows
-from search.spans import MAX_OVERLAP, WINDOW_BONUS, Moment, length_adjusted, temporal_iou, temporal_nms
-
-Vectors = NDArray[np.float32]
+from search.ranking.galleries import MOST_WINDOWS, ClipGallery, Vectors
+from search.spans import Moment
 
 #: How much of a clip's score is that of the clip as a whole; the rest is the mean of its best windows of each length.
 WHOLE_SHARE = 0.5
@@ -24,67 +22,10 @@ WHOLE_SHARE = 0.5
 #: Clips and windows fetched first where clips are ranked; four times as many whenever the next clip is undecided. And
 #: candidates that are scored at once.
 _FIRST_CLIPS_RANKED, _FIRST_WINDOWS_RANKED, _SCORED_AT_ONCE = 320, 640, 16
-_MOST_WINDOWS = 16384
 #: Where no more clips than these are allowed all are scored: to find their near windows costs more.
 _FEW_ALLOWED = 256
 #: What is left of the length of a window that ends with its clip, at least.
 _NEARLY = 0.9
-#: Windows fetched for each clip wanted of several sentences; four times as many until they come from enough clips.
-_PER_CLIP = 16
-#: Windows fetched first where windows are ranked; four times as many whenever they have run out.
-_FIRST_WINDOWS = 640
-#: Clips ranked first for several sentences; as above.
-_FIRST_CLIPS = 20
-
-
-class WindowGallery(Protocol):
-    """The windows of many clips, as `indexer.store.stored_library.StoredLibrary` has them."""
-
-    def __len__(self) -> int:
-        """How many clips."""
-
-    def nearest_windows(
-        self, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
-    ) -> tuple[Vectors, NDArray[np.int64], Vectors, Vectors]:
-        """Scores, clip ids, starts and ends, each (Q, k); id -1 where there are fewer."""
-
-
-class ClipGallery(WindowGallery, Protocol):
-    """The whole-clip vectors, too."""
-
-    def nearest_clips(
-        self, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
-    ) -> tuple[Vectors, NDArray[np.int64]]:
-        """Scores and clip ids, each (Q, k); id -1 where there are fewer."""
-
-    def vectors_of(self, ids: NDArray[np.int64]) -> tuple[IndexRows, IndexRows]:
-        """The vectors of clips, of each as a whole, and of all their windows."""
-
-
-@dataclass(frozen=True)
-class ExactGallery:
-    """The vectors of a library, each of which is compared: clusters would miss a few."""
-
-    library: StoredLibrary
-
-    def __len__(self) -> int:
-        return len(self.library)
-
-    def nearest_windows(
-        self, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
-    ) -> tuple[Vectors, NDArray[np.int64], Vectors, Vectors]:
-        """See `WindowGallery`."""
-        return self.library.nearest_windows(queries, k, allowed=allowed, exact=True)
-
-    def nearest_clips(
-        self, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
-    ) -> tuple[Vectors, NDArray[np.int64]]:
-        """See `ClipGallery`."""
-        return self.library.nearest_clips(queries, k, allowed=allowed, exact=True)
-
-    def vectors_of(self, ids: NDArray[np.int64]) -> tuple[IndexRows, IndexRows]:
-        """See `ClipGallery`."""
-        return self.library.vectors_of(ids)
 
 
 @dataclass(frozen=True)
@@ -146,7 +87,7 @@ def rank_clips(
     factor = 1
     while True:
         near = _best_rows(library.nearest_clips(query[None], factor * _FIRST_CLIPS_RANKED, allowed=allowed))
-        count = min(factor * _FIRST_WINDOWS_RANKED, _MOST_WINDOWS)
+        count = min(factor * _FIRST_WINDOWS_RANKED, MOST_WINDOWS)
         windows = _best_rows(library.nearest_windows(query[None], count, allowed=allowed))
         ids, most, most_of_others = _upper_bounds(near, windows, whole_share)
         new = ~np.isin(ids, list(scored))
@@ -243,120 +184,3 @@ def highest_scores(queries: Vectors, clips: IndexRows, windows: IndexRows) -> ND
         scores = clip_scores(queries, clips[some], windows[np.isin(windows.owners, clips.owners[some])])
         np.maximum(best, scores.max(axis=1), out=best)
     return best
-
-
-def _best_windows(
-    library: ClipGallery, query: Vectors, count: int, allowed: NDArray[np.int64] | None
-) -> tuple[list[ClipScore], float]:
-    """The best window of each clip among the nearest ones, and an upper bound of the scores of other windows.
-
-    Where the most are fetched that ever are, the others do not count.
-    """
-    scores, ids, starts, ends = (a[0] for a in library.nearest_windows(query[None], count, allowed=allowed))
-    _, first = np.unique(ids, return_index=True)
-    best = [ClipScore(int(ids[i]), float(scores[i]), float(starts[i]), float(ends[i])) for i in np.sort(first)]
-    return [e for e in best if e.clip_id >= 0], float(scores[-1]) if count < _MOST_WINDOWS else -np.inf
-
-
-def _candidate_clips(
-    library: ClipGallery, queries: Vectors, k: int, *, allowed: NDArray[np.int64] | None = None
-) -> list[int]:
-    """The k clips most likely to hold an answer to all queries (Q, D), by the sum of their best window scores."""
-    if k < 1 or len(library) == 0 or (allowed is not None and len(allowed) == 0):
-        return []
-    best = [{e.clip_id: e.score for e in _windows_of(library, query, k, allowed)} for query in queries]
-    floors = [min(scores.values(), default=-1.0) for scores in best]
-    totals = {
-        clip: sum(scores.get(clip, floor) for scores, floor in zip(best, floors, strict=True))
-        for clip in set().union(*best)
-    }
-    return sorted(totals, key=lambda clip: -totals[clip])[:k]
-
-
-def rank_candidate_clips(
-    library: ClipGallery, queries: Vectors, *, allowed: NDArray[np.int64] | None = None
-) -> Iterator[int]:
-    """The clips by how likely they hold an answer to all queries (Q, D), the sum of their best window scores.
-
-    The order does not depend on how many are consumed.
-    """
-    given: set[int] = set()
-    count = _FIRST_CLIPS
-    while True:
-        named = [clip for clip in _candidate_clips(library, queries, count, allowed=allowed) if clip not in given]
-        yield from named
-        given.update(named)
-        if len(given) < count:
-            return
-        count *= 4
-
-
-def rank_windows(
-    gallery: WindowGallery, query: Vectors, *, allowed: NDArray[np.int64] | None = None
-) -> Iterator[ClipScore]:
-    """The best windows of all clips for a unit vector (D,) of which no two overlap, best first.
-
-    The best of few fetched windows come first, then what more fetched ones add: the order does not depend on how many
-    are consumed.
-    """
-    if len(gallery) == 0 or (allowed is not None and len(allowed) == 0):
-        return
-    given: list[ClipScore] = []
-    count = _FIRST_WINDOWS
-    while True:
-        scores, ids, starts, ends = (a[0] for a in gallery.nearest_windows(query[None], count, allowed=allowed))
-        real = ids >= 0
-        for window in _without_overlap(scores[real], ids[real], starts[real], ends[real], given):
-            given.append(window)
-            yield window
-        if real.sum() < count or count >= _MOST_WINDOWS:
-            return
-        count *= 4
-
-
-def rank_by_window(
-    gallery: WindowGallery, query: Vectors, *, allowed: NDArray[np.int64] | None = None
-) -> Iterator[ClipScore]:
-    """Every clip once, by its nearest window; best first, in an order that does not depend on how many are consumed."""
-    if len(gallery) == 0 or (allowed is not None and len(allowed) == 0):
-        return
-    given: set[int] = set()
-    count = _FIRST_WINDOWS
-    while True:
-        scores, ids, starts, ends = (a[0] for a in gallery.nearest_windows(query[None], count, allowed=allowed))
-        for row in range(int((ids >= 0).sum())):
-            if int(ids[row]) not in given:
-                given.add(int(ids[row]))
-                yield ClipScore(int(ids[row]), float(scores[row]), float(starts[row]), float(ends[row]))
-        if ids[-1] < 0 or count >= _MOST_WINDOWS:
-            return
-        count *= 4
-
-
-def _without_overlap(
-    scores: Vectors, ids: NDArray[np.int64], starts: Vectors, ends: Vectors, given: list[ClipScore]
-) -> Iterator[ClipScore]:
-    """The windows that overlap none of those given and no better one, best first."""
-    # One time line for all clips, far enough apart that spans of different clips never overlap.
-    length = float(max([ends.max(initial=0.0), *(e.end or 0.0 for e in given)])) + 1.0
-    clips = np.unique([*ids.tolist(), *(e.clip_id for e in given)])  # numbers may be too large to multiply
-    shifts = np.searchsorted(clips, ids) * length
-    begin, end = starts + shifts, ends + shifts
-    free = np.ones(len(ids), bool)
-    for e in given:
-        shift = float(np.searchsorted(clips, e.clip_id)) * length
-        free &= temporal_iou(begin, end, (e.start or 0.0) + shift, (e.end or 0.0) + shift) <= MAX_OVERLAP
-    left = np.flatnonzero(free)
-    value = length_adjusted(scores[left], (ends - starts)[left], WINDOW_BONUS)
-    for i in map(left.__getitem__, temporal_nms(begin[left], end[left], value)):
-        yield ClipScore(int(ids[i]), float(scores[i]), float(starts[i]), float(ends[i]))
-
-
-def _windows_of(library: ClipGallery, query: Vectors, k: int, allowed: NDArray[np.int64] | None) -> list[ClipScore]:
-    """The best window of each of at least k clips, fewer only where there are no more."""
-    count = _PER_CLIP * k
-    while True:
-        best, upper_bound = _best_windows(library, query, count, allowed)
-        if len(best) >= k or upper_bound == -np.inf:
-            return best
-        count *= 4

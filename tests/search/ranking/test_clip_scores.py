@@ -11,15 +11,8 @@ import pytest
 
 from encoders.bundle.windows import LENGTHS
 from indexer.vectors.blocks import IndexRows
-from search.ranking.clip_scores import (
-    WHOLE_SHARE,
-    ClipScore,
-    best_clips,
-    clip_scores,
-    highest_scores,
-    rank_candidate_clips,
-    rank_windows,
-)
+from search.ranking.clip_scores import WHOLE_SHARE, ClipScore, best_clips, clip_scores, highest_scores
+from search.ranking.window_ranking import rank_candidate_clips, rank_windows
 
 QUERY = np.array([1.0, 0.0], np.float32)
 
