@@ -174,11 +174,19 @@ class Library(AnsweringLibrary, ExportableLibrary, GrowingLibrary, MarkedLibrary
         up: str | None = None,
         **filters: Unpack[FilterArguments],
     ) -> Hits:
-        """The moments that answer a question, in one motion or anywhere in the library; see `moments`."""
+        """The moments that answer a question, in one motion or anywhere in the library; see `moments`.
+
+        Where nothing in the library matches the steps of a sentence, it is looked for as one.
+        """
         k, least = checked_count(k), checked_strength(min_strength)
         if ref is None:
             library, allowed = self.narrowed(filters)
-            return library._moment_hits(self.encode(question), k, least, allowed)
+            hits = library._moment_hits(self.encode(question), k, least, allowed)
+            if question.undivided and (not hits or hits.nothing_matches):
+                # Steps that run into one another, "runs and then jumps", may be known as one movement alone.
+                whole = library._moment_hits(self.encode(Question((question.undivided,))), k, least, allowed)
+                return hits if not whole or whole.nothing_matches else whole
+            return hits
         refuse_filters(filters)
         source = self.source(ref, fps=fps, up=up)
         return moments_of(QueriedMotion(self.bundle, source, self.encode(question)), k, least)

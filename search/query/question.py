@@ -28,10 +28,13 @@ class Question:
     sentences : tuple of str
     how : str
         "alone" for one sentence, "then" for steps in order, "while" for things at the same time.
+    undivided : str
+        The sentence that the steps are of; empty where they were given as steps, or there are none.
     """
 
     sentences: tuple[str, ...]
     how: str = "alone"
+    undivided: str = ""
 
     @classmethod
     def of(
@@ -61,9 +64,10 @@ class Question:
             raise QueryError("steps in order and things at the same time exclude each other; give one of the two")
         if meanwhile:
             return cls(tuple(given), "while" if len(given) > 1 else "alone")
+        whole = ""
         if not steps and split_steps:
-            given = split(given[0])
-        return cls(tuple(given), "then" if len(given) > 1 else "alone")
+            whole, given = given[0], split(given[0])
+        return cls(tuple(given), "then", whole) if len(given) > 1 else cls(tuple(given))
 
     def encode(self, encoder: Encoder) -> EncodedQuestion:
         """The question with its query vectors."""

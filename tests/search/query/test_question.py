@@ -10,7 +10,7 @@ from search.query.question import Question
 
 def test_a_question_says_how_its_sentences_go_together() -> None:
     assert Question.of("a person waves").how == "alone"
-    assert Question.of("walks, then sits") == Question(("walks", "sits"), "then")
+    assert Question.of("walks, then sits") == Question(("walks", "sits"), "then", "walks, then sits")
     assert Question.of("walks, then sits", split_steps=False).how == "alone"
     assert Question.of(None, ["walks", "sits"]).sentences == ("walks", "sits")
     assert Question.of("walks", meanwhile=["waves"]) == Question(("walks", "waves"), "while")
