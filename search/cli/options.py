@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from search.cli.path_types import NEW_FOLDER
 from search.cli.piped import read_clips
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ library = click.option(
 export = click.option(
     "--export",
     "export_folder",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=NEW_FOLDER,
     metavar="DIR",
     help="Write all hits as files into DIR, with a table (hits.csv) and the sources' credits.",
 )

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from search.cli import options
+from search.cli.path_types import NEW_FOLDER
 
 if TYPE_CHECKING:
     from search.hits import Hit
@@ -23,7 +24,7 @@ DATA = Path(__file__).parents[2] / "demo_data"
 
 
 @click.command()
-@click.argument("folder", required=False, type=click.Path(file_okay=False, path_type=Path))
+@click.argument("folder", required=False, type=NEW_FOLDER)
 @options.force
 @options.as_json
 def demo(folder: Path | None, force: bool, as_json: bool) -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from search.cli import options
+from search.cli.path_types import NEW_FILE
 
 if TYPE_CHECKING:
     from search.library import Library
@@ -25,7 +26,7 @@ Described = tuple[str, list["Description"]]
 @click.option(
     "-o",
     "--out",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=NEW_FILE,
     metavar="FILE.csv",
     help="Write what --all finds as a captions table.",
 )

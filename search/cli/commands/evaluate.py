@@ -9,6 +9,7 @@ import click
 
 from encoders.errors import QueryError
 from search.cli import options
+from search.cli.path_types import FOLDER
 
 if TYPE_CHECKING:
     from encoders.protocol import Encoder
@@ -16,12 +17,11 @@ if TYPE_CHECKING:
 _PROTOCOLS = ("retrieval", "labels", "captions", "corpus", "out-of-domain", "moments", "compose")
 _FORMATS = ("table", "json", "csv", "latex")
 _FILE = click.Path(path_type=Path)
-_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
 _SYNTHETIC = "synthetic takes"
 
 
 @click.command()
-@click.argument("folder", required=False, type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("folder", required=False, type=FOLDER)
 @click.option(
     "--protocol",
     type=click.Choice(_PROTOCOLS),
@@ -40,9 +40,9 @@ _SYNTHETIC = "synthetic takes"
     help="Synthetic clips (4000; 300 for out-of-domain), synthetic takes (300), or the first time lines (all).",
 )
 @options.model
-@click.option("--run", type=_FOLDER, help="A run directory of TMR, in place of --model; needs the extra train.")
-@click.option("--stats", type=_FOLDER, help="Folder with the mean.pt and std.pt of --run.")
-@click.option("--motions", type=_FOLDER, help="Folder of the data set's motions.")
+@click.option("--run", type=FOLDER, help="A run directory of TMR, in place of --model; needs the extra train.")
+@click.option("--stats", type=FOLDER, help="Folder with the mean.pt and std.pt of --run.")
+@click.option("--motions", type=FOLDER, help="Folder of the data set's motions.")
 @options.fps
 @click.option("--language-model", metavar="NAME|DIR", help="Of --run: stored token features, or a model's folder.")
 @click.option("--sentence-model", metavar="NAME|DIR", help="Of sentence similarity: stored, or a model's folder.")

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import click
 
 from search.cli import options
+from search.cli.path_types import FILE
 
 if TYPE_CHECKING:
     from indexer.ingest.storing import Summary
@@ -35,7 +36,7 @@ _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 @click.option("--up", type=click.Choice(options.AXES), help="The axis that is up in the files, whatever they say.")
 @click.option(
     "--joint-map",
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    type=FILE,
     help='JSON file {"left_wrist": "joint of the rig", ...} for rigs that are not recognised.',
 )
 @click.option(

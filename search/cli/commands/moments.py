@@ -11,6 +11,7 @@ from typing import Any
 import click
 
 from search.cli import options
+from search.cli.path_types import NEW_FILE
 from search.cli.sentence_command import SentenceCommand, quoted
 
 
@@ -22,7 +23,7 @@ from search.cli.sentence_command import SentenceCommand, quoted
 @click.option("--no-split", is_flag=True, help="Do not split SENTENCE into steps.")
 @click.option(
     "--plot",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=NEW_FILE,
     help="Plot similarity over time to a .png, .jpg, .svg or .pdf file.",
 )
 @options.export

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from search.cli import options
+from search.cli.path_types import NEW_FILE
 
 
 @click.command()
@@ -16,7 +17,7 @@ from search.cli import options
 @click.option(
     "-o",
     "--out",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=NEW_FILE,
     help="Write them to a .tsv, .json, .babel.json or .eaf file.",
 )
 @options.force

@@ -8,17 +8,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from search.cli import options
+from search.cli.path_types import FILE, NEW_FILE
 
 if TYPE_CHECKING:
     from search.compose.composition import Composition
     from search.compose.timeline import Timeline
 
-_FILE = click.Path(dir_okay=False, path_type=Path)
-
 
 @click.command()
-@click.argument("timeline", required=False, type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option("-o", "--out", type=_FILE, required=True, help="Write a .bvh, .glb, .npz, .npy, .png or .gif file.")
+@click.argument("timeline", required=False, type=FILE)
+@click.option("-o", "--out", type=NEW_FILE, required=True, help="Write a .bvh, .glb, .npz, .npy, .png or .gif file.")
 @click.option(
     "--then",
     "steps",
@@ -50,7 +49,7 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
 )
 @click.option(
     "--rig",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=NEW_FILE,
     metavar="FILE",
     help="Write a .bvh on the skeleton of this file.",
 )

@@ -7,11 +7,12 @@ from pathlib import Path
 import click
 
 from search.cli import options
+from search.cli.path_types import NEW_FILE
 
 
 @click.command()
 @click.argument("ref", metavar="CLIP")
-@click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
+@click.argument("out", type=NEW_FILE)
 @options.start
 @options.end
 @click.option(
@@ -22,7 +23,7 @@ from search.cli import options
 @click.option("--in-place", is_flag=True, help="Leave out the way travelled over the floor, as loops need it.")
 @click.option(
     "--rig",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=NEW_FILE,
     metavar="LIKE.bvh",
     help="Write a .bvh on the skeleton of this file.",
 )

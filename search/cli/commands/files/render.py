@@ -7,11 +7,12 @@ from pathlib import Path
 import click
 
 from search.cli import options
+from search.cli.path_types import NEW_FILE
 
 
 @click.command()
 @click.argument("ref", metavar="CLIP")
-@click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
+@click.argument("out", type=NEW_FILE)
 @options.start
 @options.end
 @click.option("--size", type=options.Count(64, 2160), default=480, show_default=True, help="Image height in pixels.")

@@ -8,11 +8,12 @@ import click
 
 from encoders.errors import BundleMismatch, LibraryError, LibraryNotFound, QueryError
 from search.cli import options
+from search.cli.path_types import NEW_FILE
 
 
 @click.command()
 @click.argument("sentence")
-@click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
+@click.argument("out", type=NEW_FILE)
 @click.option("--label", "is_label", is_flag=True, help="SENTENCE is a label that the model knows, such as 'kick'.")
 @click.option("--seconds", type=options.Number(min=0.1), default=4.0, show_default=True, help="Of each motion.")
 @click.option("--samples", type=options.Count(1, 64), default=1, show_default=True, help="Motions that are drawn.")

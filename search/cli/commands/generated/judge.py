@@ -10,30 +10,29 @@ import click
 from encoders.errors import QueryError
 from search.cli import options
 from search.cli.figure_output import Form, form_option, print_rows
+from search.cli.path_types import FILE, FOLDER, NEW_FILE
 
 if TYPE_CHECKING:
     from encoders.protocol import Encoder
     from search.judging.judgement import Judgement
     from search.judging.motion_table import JudgedMotion
 
-_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
-_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 _EITHER = click.Path(exists=True, path_type=Path)
 #: What a folder of motions is looked for when no --texts are given.
 _BESIDE = "motions.tsv"
 
 
 @click.command()
-@click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, type=_FOLDER)
+@click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, type=FOLDER)
 @click.option(
     "--texts",
     type=_EITHER,
     help="Table with path and any of text, label, reference, transitions; or a folder with NAME.txt for each motion.",
 )
 @click.option("--references", type=_EITHER, help="Folder of real motions; with --timelines also a table text, path.")
-@click.option("--labels", type=_FILE, help="Labels that are recognised, one a line; labels on a line are synonyms.")
-@click.option("--timelines", type=_FILE, help="Time lines that the motions were generated for, as of STMC's data set.")
-@click.option("--crops", type=click.Path(dir_okay=False, path_type=Path), help="Write every crop of --timelines here.")
+@click.option("--labels", type=FILE, help="Labels that are recognised, one a line; labels on a line are synonyms.")
+@click.option("--timelines", type=FILE, help="Time lines that the motions were generated for, as of STMC's data set.")
+@click.option("--crops", type=NEW_FILE, help="Write every crop of --timelines here.")
 @click.option("--repeats", type=options.Count(2), default=20, show_default=True, help="Random draws of one FOLDER.")
 @click.option("--seed", type=click.IntRange(0), default=0, help="Of the random draws.")
 @options.model

@@ -12,6 +12,7 @@ import click
 
 from encoders.errors import MissingSplit
 from search.cli import options
+from search.cli.path_types import FOLDER
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,11 +28,10 @@ T = TypeVar("T")
 
 #: The name of the recipe that --data trains by.
 TMR_RECIPE = "tmr"
-_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
 _OPTIONS = (
-    click.option("--data", type=_FOLDER, help="A captioned data set, to train on by TMR's recipe."),
-    click.option("--motions", type=_FOLDER, help="With --data: the folder of its motions."),
-    click.option("--stats", type=_FOLDER, help="With --data: folder of mean.pt and std.pt."),
+    click.option("--data", type=FOLDER, help="A captioned data set, to train on by TMR's recipe."),
+    click.option("--motions", type=FOLDER, help="With --data: the folder of its motions."),
+    click.option("--stats", type=FOLDER, help="With --data: folder of mean.pt and std.pt."),
     click.option("--features", metavar="KIND", default="humanml3d", show_default=True, help="With --data: their kind."),
     click.option("--language-model", metavar="NAME|DIR", help="With --data: stored tokens, a folder, or on the hub."),
     click.option("--sentence-model", metavar="NAME|DIR", help="With --data: of the similarity of captions, likewise."),

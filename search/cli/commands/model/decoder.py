@@ -11,20 +11,18 @@ from encoders.errors import QueryError
 from search.cli import options
 from search.cli.commands.model.real_archives import require_both
 from search.cli.commands.model.train import real_stores, require_extra, sentences_of
-
-_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
-_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+from search.cli.path_types import FILE, FOLDER, NEW_FOLDER
 
 
 @click.command()
-@click.argument("run", type=click.Path(file_okay=False, path_type=Path))
-@click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("run", type=NEW_FOLDER)
+@click.argument("folder", type=NEW_FOLDER)
 @options.model
 @click.option("--synthetic", type=options.Count(1000), default=10_000, show_default=True, help="Synthetic clips.")
-@click.option("--real", type=_FOLDER, help="Folder of captioned takes with a manifest.tsv.")
-@click.option("--captions", type=_FILE, help="Their captions, JSON lines.")
-@click.option("--sentences", type=_FILE, help="Human sentences that synthetic clips act out, one a line.")
-@click.option("--held-out", type=_FILE, multiple=True, help="File of sentences that are never trained on.")
+@click.option("--real", type=FOLDER, help="Folder of captioned takes with a manifest.tsv.")
+@click.option("--captions", type=FILE, help="Their captions, JSON lines.")
+@click.option("--sentences", type=FILE, help="Human sentences that synthetic clips act out, one a line.")
+@click.option("--held-out", type=FILE, multiple=True, help="File of sentences that are never trained on.")
 @click.option("--steps", type=options.Count(1), default=6000, show_default=True, help="Training steps.")
 @click.option(
     "--minutes", type=click.FloatRange(min=0.1), default=float("inf"), help="Stop after so long; run again to go on."

@@ -13,12 +13,11 @@ from search.cli.commands.model.import_run import import_run
 from search.cli.commands.model.real_archives import read_archives, real_archives, require_both
 from search.cli.commands.model.train import release, train
 from search.cli.commands.status import shown
+from search.cli.path_types import FILE, FOLDER, NEW_FILE
 
 if TYPE_CHECKING:
     from encoders.bundle.known_models import KnownModel
 
-_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
-_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 #: What is shown of a model that has no manifest.
 _MEMBERS = ("feature_kind", "fps", "max_frames", "latent_size")
@@ -149,13 +148,13 @@ def calibrate(name: str, real: Path | None, captions: Path | None, labelled: Pat
 
 
 @model.command()
-@click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
+@click.argument("out", type=NEW_FILE)
 @options.model
 @click.option(
-    "--real", type=_FOLDER, help="Folder of captioned takes with a manifest.tsv; its split val is evaluated on."
+    "--real", type=FOLDER, help="Folder of captioned takes with a manifest.tsv; its split val is evaluated on."
 )
-@click.option("--captions", type=_FILE, help="Their captions, JSON lines.")
-@click.option("--labelled", type=_FOLDER, help="Folder with labels.tsv and queries.tsv.")
+@click.option("--captions", type=FILE, help="Their captions, JSON lines.")
+@click.option("--labelled", type=FOLDER, help="Folder with labels.tsv and queries.tsv.")
 @click.option(
     "--count", type=options.Count(64), default=4000, show_default=True, help="Synthetic clips in the gallery."
 )

@@ -8,16 +8,15 @@ import click
 
 from search.cli import options
 from search.cli.commands.model.train import require_extra
-
-_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
+from search.cli.path_types import FOLDER
 
 
 @click.command("import")
-@click.argument("run", metavar="RUN_DIR", type=_FOLDER)
+@click.argument("run", metavar="RUN_DIR", type=FOLDER)
 @click.option("--name", required=True, help="What the model is called here, such as tmr-humanml3d.")
 @click.option(
     "--stats",
-    type=_FOLDER,
+    type=FOLDER,
     metavar="DIR",
     help="Folder with mean.pt and std.pt of the features. [default: the one config.json names, in or above RUN_DIR]",
 )

@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from search.cli.path_types import FILE, FOLDER
+
 if TYPE_CHECKING:
     from indexer.datasets.questioned_archives import QuestionedArchive
 
-_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
-_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 
 def real_archives(command: _Command) -> _Command:
     """Add --real, --captions and --labelled."""
     for option in (
-        click.option("--labelled", type=_FOLDER, help="Folder with labels.tsv and queries.tsv, to calibrate on."),
-        click.option("--captions", type=_FILE, help="Their captions, JSON lines."),
-        click.option("--real", type=_FOLDER, help="Folder of captioned takes, to calibrate on its split val."),
+        click.option("--labelled", type=FOLDER, help="Folder with labels.tsv and queries.tsv, to calibrate on."),
+        click.option("--captions", type=FILE, help="Their captions, JSON lines."),
+        click.option("--real", type=FOLDER, help="Folder of captioned takes, to calibrate on its split val."),
     ):
         command = option(command)
     return command

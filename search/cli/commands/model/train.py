@@ -15,6 +15,7 @@ from encoders.errors import QueryError
 from search.cli import options
 from search.cli.commands.model.data_training import TMR_RECIPE, DataTraining, data_options, train_on_dataset
 from search.cli.commands.model.real_archives import read_archives, real_archives, require_both
+from search.cli.path_types import FILE, FOLDER, NEW_FOLDER
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,26 +28,24 @@ if TYPE_CHECKING:
     from encoders.tmr.training.pairs import PairStore
     from encoders.tmr.training.recipe import Recipe
 
-_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
-_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 #: Clips of compositional augmentation, beside some 4,000 real clips.
 _AUGMENTED = 1500
 
 
 @click.command()
-@click.argument("run", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("run", type=NEW_FOLDER)
 @click.option("--synthetic", type=options.Count(1000), default=32_500, show_default=True, help="Synthetic clips.")
 @click.option("--gaits", type=options.Number(0, 1), default=0.0, help="Share of them that show locomotion alone.")
-@click.option("--real", type=_FOLDER, help="Folder of captioned takes with a manifest.tsv.")
-@click.option("--captions", type=_FILE, help="Their captions, JSON lines.")
-@click.option("--idle", type=_FOLDER, help="Folder of BVH takes of people who stand and wait; needs --real.")
-@click.option("--sentences", type=_FILE, help="Human sentences that synthetic clips act out, one a line.")
-@click.option("--held-out", type=_FILE, multiple=True, help="File of sentences that are never trained on.")
+@click.option("--real", type=FOLDER, help="Folder of captioned takes with a manifest.tsv.")
+@click.option("--captions", type=FILE, help="Their captions, JSON lines.")
+@click.option("--idle", type=FOLDER, help="Folder of BVH takes of people who stand and wait; needs --real.")
+@click.option("--sentences", type=FILE, help="Human sentences that synthetic clips act out, one a line.")
+@click.option("--held-out", type=FILE, multiple=True, help="File of sentences that are never trained on.")
 @click.option("--recipe", metavar="tmr|FILE", help="JSON of the recipe fields to change; tmr: TMR's as published.")
 @click.option(
     "--from",
     "origins",
-    type=_FOLDER,
+    type=FOLDER,
     multiple=True,
     help="Bundle, or runs to average, whose weights a new run begins with.",
 )
@@ -225,11 +224,11 @@ def real_stores(
 
 
 @click.command()
-@click.argument("runs", metavar="RUN...", nargs=-1, required=True, type=_FOLDER)
-@click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("runs", metavar="RUN...", nargs=-1, required=True, type=FOLDER)
+@click.argument("folder", type=NEW_FOLDER)
 @click.option("--name", default="motionseek", show_default=True, help="The model's name.")
 @real_archives
-@click.option("--notes", type=_FILE, help="JSON for the manifest: what it was trained on.")
+@click.option("--notes", type=FILE, help="JSON for the manifest: what it was trained on.")
 def release(
     runs: tuple[Path, ...],
     folder: Path,
