@@ -9,30 +9,20 @@ does it, the nearest by vector are reranked by their alignment in time.
 from __future__ import annotations
 
 import argparse
-import sys
 from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.stacks import takes
 from encoders.bundle.bundle import Bundle
-from encoders.errors import MotionSeekError
-from indexer.datasets.archive_tables import load_row, read_manifest
 from search.ranking.alignment import LONGEST, RERANKED, alignment_bonus
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("archive", type=Path, help="folder of takes in several rigs, with a manifest.tsv")
-    archive = parser.parse_args().archive
-    rows, motions = [], []
-    for row in read_manifest(archive, ("use", "rig")):
-        if row["kind"] == "take" and row["use"] != "evaluation only":
-            try:
-                motions.append(load_row(archive, row))
-                rows.append(row)
-            except MotionSeekError as error:
-                print(error, file=sys.stderr)
+    rows, motions = takes(parser.parse_args().archive)
     bundle = Bundle.load()
     vectors = bundle.encode_motions(motions)
     similarity = vectors @ vectors.T
