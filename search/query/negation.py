@@ -22,7 +22,10 @@ _NOT = rf"(?:(?:{_AUXILIARY})\s+)?(?:not|never)|cannot|(?:{_AUXILIARY}|ca|wo)n['
 #: A part of the body that a negation is about is taken away with it: "the arms do not swing".
 _PART = r"(?:arms?|hands?|legs?|feet|foot|knees?|heels?|toes|head|elbows?|shoulders?|hips?|body|torso)\b"
 _ABOUT = rf"(?P<about>(?:with\s+)?(?:(?:the|his|her|their|both|one|left|right)\s+)*{_PART})\s+"
-_WITHOUT = r"without|w/o|instead\s+of|rather\s+than|except(?:\s+for)?|with\s+no|(?<=,\s)no"
+_WITHOUT = (
+    r"without|w/o|instead\s+of|rather\s+than|except(?:\s+for)?|any(?:thing|body|one)\s+but|with\s+no|"
+    r"(?:nobody|no\s+one)(?:\s+is)?|(?:^\s*|(?<=,\s)|(?<=\band\s)|(?<=\bbut\s))no"
+)
 #: These are no negations: more than one thing, what is tried or said, and manners that have words of their own.
 _UNLESS = (
     r"(?![-\w])(?!\s+(?:only|just|merely|simply|know)\b)(?!\s+to\s+(?!the\b|his\b|her\b|their\b|one\b))"
@@ -60,6 +63,23 @@ _FOREIGN = {
     "Portuguese": "sem|(?:mas|e)\\s+não",
     "Russian": "без|(?:но|а|и)\\s+не",
     "Spanish": "sin|(?:pero|y)\\s+no",
+}
+#: Negations of other languages that are not understood. French "pas" alone is a step.
+_UNHEARD = {
+    "Arabic": r"\b(?:لا|لم|لن|ليس)\b",
+    "Chinese": r"[不没沒](?![断斷停])",
+    "Dutch": r"\b(?:niet|geen|nooit)\b",
+    "French": r"\b(?:ne\s+|n['’])\w+(?:\s+\w+)?\s+(?:pas|jamais|plus)\b|^pas\s+de\b",
+    "German": r"\b(?:nicht|kein(?:e[nmrs]?)?|nie(?:mals)?)\b",
+    "Italian": r"\b(?:non|nessun[ao]?|mai)\b",
+    "Japanese": r"ない|ません|なく|ずに",
+    "Korean": r"않|없이|\b안\s",
+    "Polish": r"\b(?:nie|nigdy|żaden)\b",
+    "Portuguese": r"\b(?:não|nunca|nenhuma?)\b",
+    "Russian": r"\b(?:не|никогда|нет)\b",
+    "Spanish": r"\b(?:no|nunca|ningun[ao]?|jamás)\b",
+    "Thai": r"ไม่",
+    "Turkish": r"\w+m[ıiuü]yor\b|\w+m[ae]d[ae]n\b",
 }
 
 
@@ -116,6 +136,13 @@ def _divided(about: str, items: list[str]) -> tuple[list[str], list[str]]:
     if any(re.search(rf"\b{_PART}", item, re.IGNORECASE) for item in items):  # then it is no subject
         return ended, [about, *going_on]
     return [f"{about.removeprefix('with ')} {item}".strip() for item in ended], going_on
+
+
+def unheard(sentence: str) -> str:
+    """The negation of a sentence in another language that is not understood, so that nothing is taken away by it."""
+    cue = _UNHEARD.get(understood_language_of(sentence))
+    found = re.search(cue, parts_of(sentence).wanted, re.IGNORECASE) if cue else None
+    return found[0].strip() if found else ""
 
 
 def _foreign_cue(language: str) -> re.Pattern[str] | None:

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 from search.query.known_words import Words, content_words, is_known, lexicon
 from search.query.languages import language_of, understood_language_of
-from search.query.negation import parts_of
+from search.query.negation import parts_of, unheard
 from search.query.vocabulary import vocabulary
 from search.translation.concepts import languages
 from search.translation.english_neighbours import INSTALL
@@ -43,7 +43,9 @@ def _taken_away(sentence: str) -> str:
 
 def _not_understood(sentence: str, known: Words) -> str:
     if language := understood_language_of(sentence):
-        return f"understood as {language}"
+        negation = unheard(sentence)
+        missed = f', but not "{negation}": say what shall not be there by a minus (-word), or in English'
+        return f"understood as {language}{missed if negation else ''}"
     parts = parts_of(sentence)
     words = content_words(" ".join([parts.wanted, *parts.unwanted]) if parts.unwanted else sentence)
     unknown = [word for word in dict.fromkeys(words) if not is_known(word, known)]

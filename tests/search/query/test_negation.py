@@ -54,6 +54,9 @@ def test_every_form_takes_away_what_it_negates_and_leaves_the_rest(form: str) ->
         ("stumbles over, but he doesn't fall", "stumbles over", ["fall"]),
         ("throws a ball and catches it, not falling", "throws a ball and catches it", ["falling"]),
         ("jumps, not high, over a box", "jumps, over a box", ["high"]),
+        ("walks and no jumping", "walks", ["jumping"]),
+        ("walks but no turns", "walks", ["turns"]),
+        ("no jumping, walks", "walks", ["jumping"]),
         ("reaches up, does not jump because it is low", "reaches up, because it is low", ["jump"]),
     ],
 )
@@ -79,6 +82,10 @@ def test_a_negation_reaches_as_far_as_people_mean_it(sentence: str, wanted: str,
         "shakes the head no",
         "makes an i don't know gesture",
         "a no-look pass",
+        "no-look pass",
+        "no",
+        "no, it sits down",
+        "waves and says no",
         "take_-left_02",
         "sits down without it",
         "walks, not",
@@ -95,13 +102,25 @@ def test_who_never_stops_goes_on() -> None:
     assert parts_of("someone who never stops dancing") == Parts("someone dancing")
 
 
-@pytest.mark.parametrize("sentence", ["not walking", "a person isn't walking", "anything except walking", "-walking"])
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "not walking",
+        "a person isn't walking",
+        "anything except walking",
+        "-walking",
+        "no walking",
+        "anything but walking",
+        "nobody is walking",
+    ],
+)
 def test_where_nothing_is_asked_for_anybody_is(sentence: str) -> None:
     assert parts_of(sentence) == Parts(ANYTHING, ("walking",), True)
 
 
 def test_who_does_not_move_stands_still() -> None:
     assert parts_of("a person is not moving") == Parts(STILL, ("moving",), True)
+    assert parts_of("nobody moves") == Parts(STILL, ("moves",), True)
     assert parts_of(f"{STILL}, not moving") == Parts(STILL, ("moving",)), "which is asked for in words"
     assert parts_of("lies without moving") == Parts("lies", ("moving",))
 
@@ -149,3 +168,28 @@ def test_what_is_taken_away_is_said() -> None:
     assert remark("a person walks and doesn't stop", known) == 'taken away: "stop"'
     assert remark("a person not kicking", known).startswith('taken away: "kicking"; no movement is named')
     assert remark("kicks without leftt", known) == 'taken away: "leftt"; did you mean "kicks without left"?'
+
+
+@pytest.mark.skipif(not languages.is_installed(), reason="needs the extra languages")
+@pytest.mark.parametrize(
+    ("sentence", "negation"),
+    [
+        ("eine Person geht nicht", "nicht"),
+        ("il ne marche pas", "ne marche pas"),
+        ("una persona no camina", "no"),
+        ("una persona non cammina", "non"),
+        ("uma pessoa não anda", "não"),
+        ("iemand loopt niet", "niet"),
+        ("человек не идёт", "не"),
+        ("人が歩かない", "ない"),
+        ("一个人不走路", "不"),
+    ],
+)
+def test_a_negation_of_another_language_that_is_not_understood_is_named(sentence: str, negation: str) -> None:
+    assert f'but not "{negation}"' in remark(sentence, lexicon(["a person walks"]))
+
+
+@pytest.mark.skipif(not languages.is_installed(), reason="needs the extra languages")
+@pytest.mark.parametrize("sentence", ["une personne fait un pas en avant", "ein Mensch springt, aber nicht nach vorne"])
+def test_of_other_languages_what_is_no_negation_or_understood_is_not_named(sentence: str) -> None:
+    assert "but not" not in remark(sentence, lexicon(["a person walks"]))
