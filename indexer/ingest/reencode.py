@@ -11,6 +11,7 @@ from encoders.protocol import Encoder
 from indexer.ingest.encode import encode, encode_captions, try_model
 from indexer.store import models, poses
 from indexer.store.library_reader import FILE
+from indexer.store.schema import is_unfinished
 from indexer.store.stored_library import StoredLibrary
 from indexer.store.writer import Writer, writing
 
@@ -67,7 +68,7 @@ def reencode(
 
 
 def model_of(folder: Path, *, rebuild: bool = False) -> Encoder:
-    """The model that the library in a folder was made with; the shipped one where there is no library yet.
+    """The model that the library in a folder was made with; the shipped one where there is none yet, or one only begun.
 
     Parameters
     ----------
@@ -83,7 +84,7 @@ def model_of(folder: Path, *, rebuild: bool = False) -> Encoder:
     """
     from encoders.bundle.known_models import load_model
 
-    if not (folder / FILE).is_file():
+    if not (folder / FILE).is_file() or is_unfinished(folder / FILE):
         return load_model()
     with StoredLibrary.open(folder) as known:
         try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sqlite3
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from encoders.errors import LibraryDamaged, LibraryError, LibraryLocked, LibraryNotFound
@@ -38,12 +38,21 @@ def connect(path: Path, *, writable: bool) -> sqlite3.Connection:
     if version == 0 and not writable:
         connection.close()
         raise LibraryDamaged(
-            f"{path}: not finished: it was begun, and nothing was written yet; run 'motionseek index' again"
+            f"{path}: not finished: nothing was written yet; run 'motionseek index' again, unless it is at work now"
         )
     digests.register(connection)
     if version < 8 and not writable:
         show_as_of_today(connection, version)
     return connection
+
+
+def is_unfinished(path: Path) -> bool:
+    """Whether a library's file was begun and nothing was written yet; False where that cannot be read."""
+    try:
+        with closing(_connect(path, "ro")) as connection:
+            return bool(connection.execute("PRAGMA user_version").fetchone()[0] == 0)
+    except sqlite3.Error:
+        return False
 
 
 def cause(path: Path, error: sqlite3.Error) -> LibraryError:

@@ -17,6 +17,10 @@ def stats(db: sqlite3.Connection, folder: Path, roots: list[Path]) -> dict[str, 
     model = db.execute(
         "SELECT id, name, fingerprint FROM models WHERE id = (SELECT value FROM settings WHERE key = 'model')"
     ).fetchone()
+    gone = (  # a clip that was forgotten has no poses
+        "SELECT count(*) FROM files WHERE state = 'gone' AND id IN "
+        "(SELECT file_id FROM clips WHERE id IN (SELECT clip_id FROM poses))"
+    )
     live = f"(SELECT clips.id {LIVE})"
     captions = f"SELECT count(*) FROM captions WHERE text_id IS NOT NULL AND clip_id IN {live}"
     windows = f"SELECT total(length(starts)) / 4 FROM windows WHERE model_id = ? AND clip_id IN {live}"
@@ -30,7 +34,7 @@ def stats(db: sqlite3.Connection, folder: Path, roots: list[Path]) -> dict[str, 
         "vector_index": {"clips": kind_of(clips), "windows": kind_of(window_count)},
         "captions": db.execute(captions).fetchone()[0],
         "failed": states.get("failed", 0),
-        "gone": states.get("gone", 0),
+        "gone": db.execute(gone).fetchone()[0],
         "with_warnings": db.execute(
             f"SELECT count(DISTINCT clips.file_id) {LIVE} AND clips.warnings != '[]'"
         ).fetchone()[0],

@@ -93,7 +93,8 @@ def index(
 
     for folder in folders:
         if os.path.isfile(folder):
-            raise click.UsageError(f"{folder} is a file; index its folder, or run 'motionseek describe {folder}'")
+            described = f"motionseek describe {shlex.quote(folder)}"
+            raise click.UsageError(f"{folder} is a file; index its folder, or run: {described}")
     if not any(map(os.path.isdir, folders)):
         raise click.UsageError(f"no folder {folders[0]}")
     _lower_priority()

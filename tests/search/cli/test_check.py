@@ -41,12 +41,29 @@ def test_a_clip_is_forgotten_until_its_file_is_indexed_again(run: Run, own_copy:
     assert run("check", own_copy).code == 0
     run("index", own_copy)
     assert "take 2.npy" in run("list", "--library", own_copy).out
+    assert run("status", own_copy, "--json").document["gone"] == 0, "no file has gone"
+
+
+def test_a_library_that_was_only_begun_is_finished_by_the_next_index(run: Run, own_copy: Path) -> None:
+    shutil.rmtree(own_copy / ".motionseek")
+    (own_copy / ".motionseek").mkdir()
+    (own_copy / ".motionseek" / "library.sqlite").touch()
+    assert "not finished" in run("search", "walks", "--library", own_copy).err
+    assert "5 indexed" in run("index", own_copy).out
+    assert run("search", "walks", "--library", own_copy).code == 0
 
 
 def test_what_is_gone_can_be_forgotten(run: Run, own_copy: Path) -> None:
     (own_copy / "take 1.npy").unlink()
     run("index", own_copy)
+    assert run("status", own_copy, "--json").document["gone"] == 1
     assert run("forget", "--gone", "--library", own_copy).out.strip() == "1 forgotten"
     assert run("forget", "--gone", "--library", own_copy).out.strip() == "0 forgotten"
     assert run("forget", "no such clip", "--library", own_copy).code == 1
     assert run("forget", "--library", own_copy).code == 2
+
+
+def test_a_file_in_place_of_a_folder_is_named_with_a_command_that_can_be_pasted(run: Run, own_copy: Path) -> None:
+    refused = run("index", own_copy / "take 2.npy")
+    assert refused.code == 2
+    assert f"motionseek describe '{own_copy / 'take 2.npy'}'" in refused.err
