@@ -138,6 +138,8 @@ def detect(path: str | PathLike[str], data: bytes) -> Format:
         refused = _REFUSED_ENDINGS.get(ending)
     if refused is not None:
         raise UnreadableMotion(path, f"{refused.name} cannot be read; {refused.advice}")
+    if ending in READABLE:
+        raise UnreadableMotion(path, f"cannot be read as {ending[1:].upper()}; it may be damaged or misnamed")
     raise UnreadableMotion(path, f"this kind of file cannot be read; what can be: {', '.join(READABLE)}")
 
 

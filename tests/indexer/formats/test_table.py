@@ -59,6 +59,8 @@ def test_the_content_decides_then_the_ending(name, data, ending):
         ("a.asf", b":version 1.10\n:units\n:bonedata\n", "a skeleton without motion; read the .amc files"),
         ("a.xyz", b"\x00\x01", "this kind of file cannot be read; what can be: .bvh, .amc"),
         ("a.json", b"{}", "this kind of file cannot be read"),
+        ("a.bvh", b"\x00\x01", "cannot be read as BVH; it may be damaged"),
+        ("a.fbx", b"hello", "cannot be read as FBX; it may be damaged"),
     ],
 )
 def test_what_cannot_be_read_is_named(name, data, reason):
