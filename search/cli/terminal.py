@@ -197,7 +197,8 @@ def moments(
     hits(found, str(question), library, as_json=False)
     if not found:
         why = "" if library is None else why_no_clips(library, filters or {})
-        note(why or "nothing found: the motion is too short for all steps")
+        whole = "; with --no-split it is searched for as one" if question.undivided else ""
+        note(why or f"nothing found: the motion is too short for all steps{whole}")
     if not is_terminal():
         return  # piped lines have one format; the steps are in the JSON
     steps = [(str(h.rank), f"{s.score:.3f}", f"{s.start:.1f}", f"{s.end:.1f}", s.text) for h in found for s in h.steps]

@@ -154,6 +154,28 @@ def test_steps_in_the_whole_library(indexed: Path, run: Run) -> None:
     assert all(len(hit["steps"]) == 2 for hit in found["hits"])
 
 
+def test_steps_that_a_take_is_too_short_for_can_be_asked_for_as_one(indexed: Path, run: Run, tmp_path: Path) -> None:
+    short = tmp_path / "short.npy"
+    assert run("export", "take 3", short, "--end", 1.2, "--library", indexed).code == 0
+    for steps, advised in [(["runs and then jumps"], True), (["--then", "runs", "--then", "jumps"], False)]:
+        assert ("--no-split" in run("moments", *steps, short, "--library", indexed).err) is advised
+    assert run("moments", "runs and then jumps", short, "--no-split", "--library", indexed).out
+
+
+def test_composing_says_for_what_the_library_holds_no_good_match(
+    indexed: Path, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from search.hits import Hits
+
+    out = ["-o", tmp_path / "made.npz", "--force", "--library", indexed]
+    sentences = ["--then", "walks -left", 2, "--then", "qxzv", 2]
+    monkeypatch.setattr(Hits, "nothing_matches", False)
+    assert "no good match" not in run("compose", *sentences, *out).err
+    monkeypatch.setattr(Hits, "nothing_matches", True)
+    said = run("compose", *sentences, *out).err
+    assert "qxzv: no good match; it is shown by what is nearest" in said
+
+
 def test_segments_cover_the_take(indexed: Path, run: Run, tmp_path: Path) -> None:
     out = tmp_path / "labels.tsv"
     ran = run("segment", "take 3", "--labels", "walk, sit down", "--library", indexed, "-o", out, "--json")

@@ -89,6 +89,7 @@ def compose(
     from search.cli import terminal
     from search.cli.progress import working
     from search.compose.report import WRITERS, document, write_composition
+    from search.query.question import Question
 
     if out.suffix.lower() not in WRITERS:
         raise click.UsageError(f"{out}: unsupported format; use {', '.join(WRITERS)}")
@@ -102,6 +103,9 @@ def compose(
         for composition, path in zip(found, outs, strict=True):
             write_composition(composition, path, rig=rig)
         documents = [{"file": str(path)} | document(one) for one, path in zip(found, outs, strict=True)]
+        sentences = list(dict.fromkeys(one.text for one in line.intervals))
+        answers = {text: library.answer(Question((text,)), k=1, **filters) for text in sentences}
+        bundle = library.bundle
     if as_json:
         terminal.document({"compositions": documents})
         return
@@ -110,6 +114,10 @@ def compose(
         worst = max((one["cm"] for one in told["transitions"]), default=0.0)
         figures = f"transitions of at most {worst:.1f} cm, feet slide in {told['sliding']:.0f} % of frames"
         print(f"{told['file']}: {told['duration']:.1f} s, {figures}")
+    for text, hits in answers.items():
+        if hits.nothing_matches:
+            terminal.note(f"{text}: no good match; it is shown by what is nearest")
+    terminal.remark(sentences, bundle)
 
 
 def _timeline(
