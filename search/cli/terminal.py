@@ -54,6 +54,8 @@ def table(
         for row in rows:
             print("\t".join(row))
         return
+    if not rows:
+        return
     from rich.cells import cell_len
     from rich.console import Console
 

@@ -66,6 +66,12 @@ def test_a_narrow_terminal_gets_the_name_below_the_numbers(
 
 
 @pytest.mark.parametrize("width", [120], indirect=True)
+def test_of_no_rows_nothing_is_printed(width: int, capsys: pytest.CaptureFixture[str]) -> None:
+    terminal.table(("", "clip"), [])
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize("width", [120], indirect=True)
 def test_a_name_cannot_steer_the_terminal(width: int, capsys: pytest.CaptureFixture[str]) -> None:
     terminal.table(("file", "reason"), [("a\x1b[2Jb\x07.bvh", "x")])
     out = capsys.readouterr().out
