@@ -142,8 +142,11 @@ def _sentence_and_clip(
     Where options state enough sentences (`has_more`), one argument alone may be either.
     """
     from indexer.formats.opening import is_file
+    from indexer.formats.table import READABLE
 
     if sentence is None or not is_file(Path(sentence)):
+        if sentence is not None and ref is None and not has_more and Path(sentence).suffix.lower() in READABLE:
+            raise click.UsageError(f'"{sentence}": there is no such file; give a sentence to search for, too')
         is_clip = sentence is not None and has_more and ref is None and options.names_clip(sentence, folder)
         return (None, sentence) if is_clip else (sentence, ref)
     if ref is None and not has_more:

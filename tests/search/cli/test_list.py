@@ -76,3 +76,13 @@ def test_a_clip_without_a_file_has_no_absolute_path(run: Run, tmp_path: Path, ti
         library.add("walk", made_motion(2.0, 0))
     (clip,) = run("list", "--library", tmp_path / "arrays", "--json").document["clips"]
     assert (clip["path"], clip["absolute_path"]) == ("walk", None)
+
+
+def test_clips_whose_files_are_all_gone_are_said_to_be(indexed: Path, run: Run, tmp_path: Path) -> None:
+    """As with a drive that is not mounted: the library holds them still."""
+    own = Path(shutil.copytree(indexed, tmp_path / "takes"))
+    for path in [*own.glob("*.npy"), *own.rglob("*.bvh")]:
+        path.unlink()
+    run("index", own)
+    assert "the files of all 5 clips are gone" in run("list", "--library", own).err
+    assert "the files of all 5 clips are gone" in run("search", "walks", "--library", own).err

@@ -328,6 +328,7 @@ def test_a_reader_that_goes_away_is_no_error(indexed: Path, arguments: list[str]
         (["moments", "walk", "forward", "take.npy"], 'motionseek moments "walk forward" take.npy'),
         (["search", "a person walks", "the takes"], "motionseek search \"a person walks\" --library 'the takes'"),
         (["search", "the takes", "walks"], "motionseek search \"walks\" --library 'the takes'"),
+        (["moments", "not there.bvh"], '"not there.bvh": there is no such file'),
         (["--json", "search", "walks"], "options come after the command"),
         (["find", "a person walks"], "did you mean 'search'?"),
         (["search", "walks", "--min-duration", "nan"], "'--min-duration': nan is no finite number"),
