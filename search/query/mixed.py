@@ -53,4 +53,5 @@ def difference_of(sentence: str) -> str:
 def mixed(question: EncodedQuestion, motion: NDArray[np.float32], weight: float) -> EncodedQuestion:
     """A question with the mean of its vector and that of a motion (D,), the sentence's counted `weight`."""
     vector = weight * question.vectors[0] + (1 - weight) * motion
-    return EncodedQuestion((vector / np.linalg.norm(vector))[None].astype(np.float32), kind="motion")
+    kind = {0.0: "motion", 1.0: "sentence"}.get(weight, "mixed")
+    return EncodedQuestion((vector / np.linalg.norm(vector))[None].astype(np.float32), kind=kind)

@@ -90,7 +90,7 @@ class EncodedQuestion:
     how : str
         See `Question`.
     kind : str
-        "sentence" or "motion": what the vectors were encoded from.
+        "sentence", "motion" or "mixed": what the vectors were encoded from. Of mixed ones no strength is known.
     """
 
     vectors: NDArray[np.float32]

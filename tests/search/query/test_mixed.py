@@ -9,7 +9,8 @@ import pytest
 
 from encoders.errors import ArgumentError
 from search.library import Library
-from search.query.mixed import difference_of
+from search.query.mixed import difference_of, mixed
+from search.query.question import EncodedQuestion
 from tests.search.conftest import Run
 
 
@@ -52,3 +53,8 @@ def test_the_command_takes_a_clip_and_a_weight(run: Run, indexed: Path) -> None:
     found = run("search", "like this but slower", "--like", "take 2.npy", "--library", indexed, "--json", "--all")
     assert "take 2.npy" not in {hit["path"] for hit in found.document["hits"]}
     assert run("search", "walks", "--weight", "0.5", "--library", indexed).code == 2
+
+
+@pytest.mark.parametrize(("weight", "kind"), [(0, "motion"), (0.5, "mixed"), (1, "sentence")])
+def test_strength_is_not_said_by_a_curve_of_other_questions(weight: float, kind: str) -> None:
+    assert mixed(EncodedQuestion(np.eye(1, 4, dtype=np.float32)), np.eye(4, dtype=np.float32)[1], weight).kind == kind
