@@ -74,6 +74,11 @@ class BatchedEncoder(ABC):
         """The features (T', F) this model reads; windows of the motion are slices of them."""
         return self._kind.compute(motion)
 
+    def features_of(self, motions: Sequence[Motion]) -> list[Array]:
+        """The `features` of motions; of equal length at once, where the kind can."""
+        many = self._kind.compute_many
+        return many(motions) if many else [self.features(motion) for motion in motions]
+
     def encode_features(self, features: Sequence[Array]) -> Array:
         """Unit vectors (N, D) of N feature sequences (T', F); a longer one than the model reads as a whole is the mean
         of its half-overlapping windows."""
@@ -106,8 +111,7 @@ class BatchedEncoder(ABC):
 
     def encode_motions(self, motions: Sequence[Motion]) -> Array:
         """Unit vectors (N, D), see `encode_features`."""
-        motions, many = checked_list("motions", motions, Motion), self._kind.compute_many
-        return self.encode_features(many(motions) if many else [self.features(motion) for motion in motions])
+        return self.encode_features(self.features_of(checked_list("motions", motions, Motion)))
 
     def encode_texts(self, sentences: Sequence[str]) -> Array:
         """Unit vectors (N, D) of N sentences; those of the last few thousand are cached."""

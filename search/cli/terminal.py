@@ -217,9 +217,7 @@ def why_no_clips(library: StoredLibrary, filters: Mapping[str, Any]) -> str:
     """Why no clip is looked at; empty where some are."""
     if len(library) == 0:
         if gone := library.stats()["gone"]:
-            return (
-                f"the files of all {gone} clips are gone; bring them or their drive back and run 'motionseek index'"
-            )
+            return f"the files of all {gone} clips are gone; bring them or their drive back and run 'motionseek index'"
         return "the library is empty; put motion files into its folder and run 'motionseek index' again"
     from search.query.filters import Filters
 

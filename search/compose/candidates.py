@@ -10,6 +10,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.bundle.batched_encoder import BatchedEncoder
 from encoders.geometry import interpolate
 from encoders.motion import FPS, Motion
 from encoders.protocol import Encoder
@@ -146,13 +147,14 @@ def candidates(
 
 def _encoded(cuts: Sequence[_Cut], encoder: Encoder) -> NDArray[np.float32]:
     """Unit vectors (N, D) of cuts as often and as fast as they are shown."""
-    vectors = np.empty((len(cuts), encoder.latent_size), np.float32)
-    once = np.array([cut.repeats == 1 for cut in cuts])
-    vectors[once] = encoder.encode_motions([cut.shown_once() for cut in cuts if cut.repeats == 1])
+    motions = [cut.shown_once() for cut in cuts]
+    if isinstance(encoder, BatchedEncoder):
+        features = encoder.features_of(motions)
+    else:
+        features = [encoder.features(motion) for motion in motions]
     # Features do not know of places, so that repeats need not be joined for them.
-    repeated = [np.tile(encoder.features(cut.shown_once()), (cut.repeats, 1)) for cut in cuts if cut.repeats > 1]
-    vectors[~once] = encoder.encode_features(repeated)
-    return vectors
+    tiled = [np.tile(rows, (cut.repeats, 1)) for rows, cut in zip(features, cuts, strict=True)]
+    return encoder.encode_features(tiled)
 
 
 def _cuts_near(
