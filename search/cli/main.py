@@ -8,6 +8,7 @@ from __future__ import annotations
 import difflib
 import io
 import os
+import re
 import sys
 import warnings
 from importlib import import_module
@@ -193,7 +194,7 @@ def _usage_line(error: click.ClickException) -> str:
     """The error in one line; a usage error refers to --help."""
     ctx: click.Context | None = getattr(error, "ctx", None)
     command = ctx.command_path if ctx else "motionseek"
-    message = _one_line(error.format_message()).rstrip(".")
+    message = re.sub(r"(?<=[\w\"')])\.$", "", _one_line(error.format_message()))  # but not the folder "."
     return (
         f"{command}: {message}; see '{command} --help'"
         if isinstance(error, click.UsageError)

@@ -327,6 +327,8 @@ def test_a_reader_that_goes_away_is_no_error(indexed: Path, arguments: list[str]
         (["search", "walk", "forward", "-k", "3"], 'motionseek search "walk forward"'),
         (["moments", "walk", "forward", "take.npy"], 'motionseek moments "walk forward" take.npy'),
         (["search", "a person walks", "the takes"], "motionseek search \"a person walks\" --library 'the takes'"),
+        (["search", "walks", "."], 'motionseek search "walks" --library .;'),
+        (["search", "walks", ".."], 'motionseek search "walks" --library ..;'),
         (["search", "the takes", "walks"], "motionseek search \"walks\" --library 'the takes'"),
         (["moments", "not there.bvh"], '"not there.bvh": there is no such file'),
         (["--json", "search", "walks"], "options come after the command"),
