@@ -61,7 +61,8 @@ class BoundedProtocol(HttpToolsProtocol):
         """Begin the head of a request."""
         super().on_message_begin()
         self._in_head = True
-        self._wait(HEAD_SECONDS)
+        if not self.flow.write_paused:
+            self._wait(HEAD_SECONDS)
 
     def on_headers_complete(self) -> None:
         """End the head of a request; what is raised here ends in `send_400_response`."""
@@ -72,7 +73,8 @@ class BoundedProtocol(HttpToolsProtocol):
         if self._refusal[0] != 400:
             raise ValueError(self._refusal)
         self._in_head, self._head_bytes = False, 0
-        self._stop_waiting()
+        if not self.flow.write_paused:  # asking for more does not take what was sent
+            self._stop_waiting()
         super().on_headers_complete()
 
     def on_response_complete(self) -> None:

@@ -120,9 +120,10 @@ def test_an_upload_is_read_while_others_are_half_sent(port):
 def test_who_is_late_is_told_and_who_is_silent_is_left(port, monkeypatch):
     monkeypatch.setattr(connections, "HEAD_SECONDS", 0.3)
     with connect(port) as silent, connect(port, HEAD) as slow:
-        for _ in range(4):
-            time.sleep(0.1)
-            slow.sendall(b"X: y\r\n")  # not even by sending on and on
+        with contextlib.suppress(ConnectionError):
+            for _ in range(4):
+                time.sleep(0.1)
+                slow.sendall(b"X: y\r\n")  # not even by sending on and on
         assert answer(slow) == (408, {"error": "the request was not complete within 0.3 s"})
         assert silent.recv(1) == b""
 
@@ -138,16 +139,13 @@ def test_a_connection_is_kept_for_the_next_request_and_not_for_ever(port, monkey
 
 def test_who_does_not_take_the_answers_is_left(port, monkeypatch):
     monkeypatch.setattr(connections, "TAKE_SECONDS", 0.3)
-    asked = 1000
-    with connect(port, b"GET /openapi.json HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n" * asked) as connection:
-        time.sleep(1.5)
-        assert received(connection).count(b"HTTP/1.1 200") < asked
+    asked = b"GET /openapi.json HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
+    with connect(port, asked * 1000) as connection:
 
+        def ask_on() -> None:
+            for _ in range(600):  # the answers fill what the system holds for a client, however slowly they are made
+                time.sleep(0.05)
+                connection.sendall(asked)
 
-def received(connection):
-    """All that is still sent; not every end of a connection is a polite one."""
-    data = bytearray()
-    with contextlib.suppress(ConnectionError):
-        while piece := connection.recv(1 << 20):
-            data += piece
-    return bytes(data)
+        with pytest.raises(ConnectionError):
+            ask_on()
