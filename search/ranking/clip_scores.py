@@ -21,9 +21,11 @@ WHOLE_SHARE = 0.5
 
 #: Clips and windows fetched first where clips are ranked; four times as many whenever the next clip is undecided. And
 #: candidates that are scored at once.
-_FIRST_CLIPS_RANKED, _FIRST_WINDOWS_RANKED, _SCORED_AT_ONCE = 320, 640, 16
+_FIRST_CLIPS_RANKED, _FIRST_WINDOWS_RANKED, _SCORED_AT_ONCE = 1280, 2048, 16
 #: Where no more clips than these are allowed all are scored: to find their near windows costs more.
 _FEW_ALLOWED = 256
+#: What a score may be above its upper bound, both being rounded: clips that score the same come by their ids.
+_ROUNDING = 1e-6
 #: What is left of the length of a window that ends with its clip, at least.
 _NEARLY = 0.9
 
@@ -100,7 +102,7 @@ def rank_clips(
             for score, clip in zip(scores.tolist(), np.sort(clips.owners).tolist(), strict=True):
                 heappush(waiting, (-score, clip))
             bound = max(float(most[first + at_once :].max(initial=-np.inf)), most_of_others)
-            while waiting and -waiting[0][0] > bound:
+            while waiting and -waiting[0][0] > bound + _ROUNDING:
                 score, clip = heappop(waiting)
                 yield ClipScore(clip, -score)
         if most_of_others == -np.inf:
