@@ -3,6 +3,7 @@ VENV ?= .venv
 PYTHON ?= python3
 BIN = $(VENV)/bin
 TORCH ?= torch==2.13.0
+PYTEST = $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4
 
 .PHONY: demo test test-all lint clean
 
@@ -10,10 +11,10 @@ demo: $(VENV)/.installed
 	$(BIN)/motionseek demo
 
 test: $(VENV)/.installed-test
-	$(BIN)/python -m pytest
+	$(PYTEST) -m "not slow"
 
 test-all: $(VENV)/.installed-train
-	$(BIN)/python -m pytest
+	$(PYTEST)
 
 lint: $(VENV)/.installed-test
 	$(BIN)/ruff check .
