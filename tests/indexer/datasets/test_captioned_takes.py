@@ -81,6 +81,24 @@ def test_spans_are_those_of_the_split_within_the_take(folder: Path, asked: dict[
     assert walk.description == "walks"
 
 
+def test_captions_of_one_span_go_together_also_those_of_another_file(
+    folder: Path, asked: dict[str, float | None]
+) -> None:
+    more = {
+        "trial": "1",
+        "start_frame": 30,
+        "end_frame": 90,
+        "fps": 30,
+        "captions": ["going on foot"],
+        "split": "train",
+    }
+    (folder / "more.jsonl").write_text(json.dumps(more), encoding="utf-8")
+    walk, *_ = captioned_takes(folder, folder / "captions.jsonl", "train", more_captions=[folder / "more.jsonl"])
+    assert [span.captions for span in walk.spans] == [
+        ("a man walks", "he strolls"), ("walking", "going on foot"), ("all of it",)
+    ]  # fmt: skip
+
+
 def test_the_true_frame_rate_is_used(folder: Path, asked: dict[str, float | None]) -> None:
     takes(folder, "train")
     takes(folder, "val")

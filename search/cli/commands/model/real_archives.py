@@ -47,7 +47,7 @@ def read_archives(real: Path | None, captions: Path | None, labelled: Path | Non
     return found
 
 
-def require_both(real: Path | None, captions: Path | None) -> None:
+def require_both(real: Path | None, captions: object | None) -> None:
     """Exit where only one of two options is given that need each other."""
     if (real is None) != (captions is None):
         raise click.UsageError("--real and --captions must be given together")

@@ -37,7 +37,7 @@ _AUGMENTED = 1500
 @click.option("--synthetic", type=options.Count(1000), default=32_500, show_default=True, help="Synthetic clips.")
 @click.option("--gaits", type=options.Number(0, 1), default=0.0, help="Share of them that show locomotion alone.")
 @click.option("--real", type=FOLDER, help="Folder of captioned takes with a manifest.tsv.")
-@click.option("--captions", type=FILE, help="Their captions, JSON lines.")
+@click.option("--captions", type=FILE, multiple=True, help="Their captions, JSON lines; validated with the first.")
 @click.option("--idle", type=FOLDER, help="Folder of BVH takes of people who stand and wait; needs --real.")
 @click.option("--sentences", type=FILE, help="Human sentences that synthetic clips act out, one a line.")
 @click.option("--held-out", type=FILE, multiple=True, help="File of sentences that are never trained on.")
@@ -60,7 +60,7 @@ def train(
     synthetic: int,
     gaits: float,
     real: Path | None,
-    captions: Path | None,
+    captions: tuple[Path, ...],
     idle: Path | None,
     sentences: Path | None,
     held_out: tuple[Path, ...],
@@ -101,7 +101,7 @@ def train(
     from encoders.tmr.training.pipeline import prepare
     from encoders.tmr.training.pipeline import train as train_in
 
-    require_both(real, captions)
+    require_both(real, captions or None)
     chosen = read_recipe(None if recipe is None else Path(recipe), steps)
     kind = FEATURE_KINDS["body"]
     start, normaliser = initial_model(origins, chosen) if origins else (None, None)
@@ -110,7 +110,9 @@ def train(
     lines = [text for text in sentences_of(sentences) if not banned(text)] if sentences else []
     if idle is not None and real is None:
         raise click.UsageError("--idle adds to takes with captions: give --real and --captions, too")
-    real_clips, real_validation = real_stores(real, captions, kind, banned, idle) if real and captions else (None, None)
+    real_clips, real_validation = None, None
+    if real and captions:
+        real_clips, real_validation = real_stores(real, captions[0], kind, banned, idle, captions[1:])
     seed = TRAINING + RUNS_APART * chosen.seed
     clips = synthetic_stores(
         run, synthetic, kind.name, lines, banned, gaits=gaits, seed=seed, jobs=jobs, say=click.echo
@@ -199,11 +201,16 @@ def read_recipe(path: Path | None, steps: int | None) -> Recipe:
 
 
 def real_stores(
-    folder: Path, captions: Path, kind: FeatureKind, banned: HeldOutSentences, idle: Path | None = None
+    folder: Path,
+    captions: Path,
+    kind: FeatureKind,
+    banned: HeldOutSentences,
+    idle: Path | None = None,
+    more_captions: Sequence[Path] = (),
 ) -> tuple[PairStore, PairStore | None]:
     """Real clips to train on, also with motion of the folder `idle`, and those to validate on if there are any.
 
-    Sentences held out are kept from training only: validation queries with them.
+    Sentences held out, and `more_captions`, have nothing to do with validation.
 
     Raises
     ------
@@ -214,7 +221,7 @@ def real_stores(
     from encoders.tmr.training.dataset import real_store
     from indexer.datasets.captioned_takes import captioned_takes, uncaptioned_takes
 
-    takes = captioned_takes(folder, captions, "train")
+    takes = captioned_takes(folder, captions, "train", more_captions=more_captions)
     waiting = list(uncaptioned_takes(idle)) if idle else []
     training = real_store(takes, kind, varied=True, held_out=banned, augmented=_AUGMENTED, idle=waiting)
     if not len(training):
