@@ -8,8 +8,8 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import wraps
-from os.path import isfile
 from pathlib import Path
+from stat import S_ISREG
 from types import TracebackType
 from typing import TYPE_CHECKING, Concatenate, ParamSpec, TypeVar
 
@@ -32,8 +32,23 @@ FILE = "library.sqlite"
 
 
 def library_folder(folder: Path) -> Path | None:
-    """The library of an indexed folder, else the folder itself if it is a library; None where there is none."""
-    return next((place for place in (folder / FOLDER, folder) if isfile(place / FILE)), None)
+    """The library of an indexed folder, else the folder itself if it is a library; None where there is none.
+
+    Raises
+    ------
+    LibraryError
+        If one may lie there, in a folder that cannot be looked into.
+    """
+    return next((place for place in (folder / FOLDER, folder) if _is_file(place / FILE)), None)
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return S_ISREG(path.stat().st_mode)
+    except PermissionError:
+        raise LibraryError(f"{path}: permission denied; ask its owner to let you read it") from None
+    except (OSError, ValueError):  # such as names that are too long, or none
+        return False
 
 
 def one_snapshot(method: Callable[Concatenate[AnyReader, P], R]) -> Callable[Concatenate[AnyReader, P], R]:

@@ -7,6 +7,7 @@ import sqlite3
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
+from shlex import quote
 
 from encoders.errors import LibraryDamaged, LibraryError, LibraryLocked, LibraryNotFound
 from indexer.store.tables import digests
@@ -66,7 +67,8 @@ def cause(path: Path, error: sqlite3.Error) -> LibraryError:
     if "full" in str(error) or "I/O error" in str(error):
         return LibraryError(f"{path}: cannot be read now ({error}); make room, check the disk, and try again")
     kind = LibraryError if isinstance(error, sqlite3.OperationalError) else LibraryDamaged
-    return kind(f"{path}: cannot be opened as a library ({error}); if it is damaged, delete its folder and index again")
+    mended = f"motionseek check --repair {quote(str(path.parent))}"
+    return kind(f"{path}: cannot be opened as a library ({error}); where it is damaged, run: {mended}")
 
 
 class FrozenConnection(sqlite3.Connection):
@@ -95,7 +97,7 @@ def _connect(path: Path, mode: str) -> sqlite3.Connection:
     except sqlite3.OperationalError:
         # In a read-only folder the shared memory of the log cannot be made. SQLite can do without, but leaves out what
         # a killed writer or a copy has left in the log.
-        if mode != "ro" or not path.exists() or os.access(path.parent, os.W_OK):
+        if mode != "ro" or not os.access(path, os.R_OK) or os.access(path.parent, os.W_OK):
             raise
         log = path.with_name(f"{path.name}-wal")
         if log.exists() and log.stat().st_size:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
@@ -65,10 +65,14 @@ class Cut:
 
 @dataclass(frozen=True)
 class Timeline:
-    """Intervals in order of their starts, the first at 0; see `Timeline.of`."""
+    """Intervals in order of their starts, the first at 0; see `Timeline.of`.
+
+    `moved` is by how many seconds they were moved so that the first begins at 0.
+    """
 
     intervals: tuple[Interval, ...]
     name: str = ""
+    moved: float = field(default=0.0, compare=False)
 
     @classmethod
     def of(cls, intervals: Sequence[Interval], name: str = "") -> Timeline:
@@ -100,7 +104,7 @@ class Timeline:
                     f"{place}nothing happens from {reached:g} to {one.start:g} s; fill it, or move what follows"
                 )
             reached = max(reached, one.end)
-        return cls(tuple(_with_parts(ordered, place)), name)
+        return cls(tuple(_with_parts(ordered, place)), name, first)
 
     @classmethod
     def of_steps(cls, steps: Sequence[tuple[str, float]], meanwhile: Sequence[Interval] = ()) -> Timeline:

@@ -3,6 +3,7 @@
 import os
 import sqlite3
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -153,6 +154,19 @@ def test_a_folder_of_too_long_a_name_is_no_library(tmp_path):
         StoredLibrary.open(tmp_path / ("x" * 5000))
     with pytest.raises(LibraryError, match="cannot be written"):
         StoredLibrary.open(tmp_path / ("x" * 5000), create=True)
+
+
+def test_a_folder_that_cannot_be_looked_into_is_not_said_to_hold_no_library(folder, monkeypatch):
+    look = Path.stat
+
+    def refused(path, **more):
+        if path.parent.name == FOLDER:
+            raise PermissionError(13, "Permission denied")
+        return look(path, **more)
+
+    monkeypatch.setattr(Path, "stat", refused)
+    with pytest.raises(LibraryError, match="permission denied; ask its owner"):
+        StoredLibrary.open(folder)
 
 
 @pytest.mark.parametrize(
@@ -380,7 +394,10 @@ def test_an_indexed_folder_can_be_renamed_with_its_library(folder, bundle):
 
 @pytest.mark.parametrize(
     ("content", "reason"),
-    [(b"no database" * 100, "cannot be opened as a library"), (b"", "not finished: .*; run .motionseek index. again")],
+    [
+        (b"no database" * 100, "opened as a library.*motionseek check --repair "),
+        (b"", "not finished: .*; run .motionseek index. again"),
+    ],
 )
 def test_a_damaged_library_is_an_error_that_says_so(tmp_path, content, reason):
     (tmp_path / FILE).write_bytes(content)

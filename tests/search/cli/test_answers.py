@@ -176,6 +176,14 @@ def test_composing_says_for_what_the_library_holds_no_good_match(
     assert "qxzv: no good match; it is shown by what is nearest" in said
 
 
+def test_composing_says_that_a_time_line_that_begins_later_was_moved(indexed: Path, run: Run, tmp_path: Path) -> None:
+    lines, out = tmp_path / "lines.txt", ["-o", tmp_path / "made.npz", "--force", "--library", indexed]
+    lines.write_text("walks # 100 # 102\n", "utf-8")
+    assert "nothing happens before 100 s" in run("compose", lines, *out).err
+    lines.write_text("walks # 0.01 # 2\n", "utf-8")
+    assert "nothing happens" not in run("compose", lines, *out).err
+
+
 def test_segments_cover_the_take(indexed: Path, run: Run, tmp_path: Path) -> None:
     out = tmp_path / "labels.tsv"
     ran = run("segment", "take 3", "--labels", "walk, sit down", "--library", indexed, "-o", out, "--json")

@@ -28,7 +28,7 @@ def test_the_published_form_is_read(written) -> None:
         "## 0001\nsit down # 0 # 2\nstand up # 2 # 4\n"
     )
     first, second = read_timelines(path)
-    assert first.name == "0000"
+    assert (first.name, first.moved) == ("0000", 0.5)
     assert first.intervals == (
         Interval("walk backwards", 0.0, 3.5, frozenset({"legs"})),
         Interval("wave", 0.5, 2.5, frozenset({"left arm"})),

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from search.compose.composition import Composition
     from search.compose.timeline import Timeline
 
+#: Seconds from 0 at which a time line may begin without a word.
+_NOTICED = 0.05
+
 
 @click.command()
 @click.argument("timeline", required=False, type=FILE)
@@ -98,6 +101,10 @@ def compose(
         options.refuse_overwriting(path, force)
         options.refuse_overwriting(path.with_suffix(".json"), force)
     line = _timeline(timeline, name, steps, meanwhile)
+    if line.moved >= _NOTICED:
+        terminal.note(
+            f"nothing happens before {line.moved:g} s; the motion begins there, and its times count from there"
+        )
     with working("composing"), options.open_library(folder) as library:
         found = library.compose(line, samples=samples, seed=seed, after=after, transition=transition, **filters)
         for composition, path in zip(found, outs, strict=True):
