@@ -58,6 +58,9 @@ def curve_document(sentences: Sequence[str], curve: Curve) -> dict[str, Any]:
 
 
 def description_document(path: str, sentences: Sequence[Description]) -> dict[str, Any]:
-    """The sentences that match a motion, with their scores and strengths."""
+    """The sentences that match a motion, with their scores and strengths.
+
+    Where they are of one motion that was asked for, the command line and the server add `stale`, as a hit has it.
+    """
     listed = [{"text": s.text, "score": round(s.score, 4), "strength": s.strength} for s in sentences]
     return {"path": path, "sentences": listed}

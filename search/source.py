@@ -155,14 +155,11 @@ class MotionSource:
         """Its captions in the library; none where no library holds it."""
         return () if self.library is None else self.library.captions(self.clip_id)
 
-    def stale(self, *, by_content: bool = True) -> str:
-        """What became of its file since it was indexed: that it is gone or has changed; else empty.
-
-        Without `by_content` another size or time is enough, and no file is read.
-        """
+    def stale(self) -> str:
+        """What became of its file since it was indexed: that it is gone or has changed; else empty."""
         if self.library is None or self.file is None:
             return ""
-        return file_state(self.library, self.clip_id, self.file, by_content=by_content)
+        return file_state(self.library, self.clip_id, self.file)
 
     def features(self, encoder: Encoder) -> NDArray[np.float32]:
         """The features (T', F) of the whole motion that a model reads."""
@@ -240,7 +237,7 @@ class MotionSource:
             source_fps=self.reading.source_fps if frames else None,
             first_frame=frames[0] if frames else None,
             last_frame=frames[1] if frames else None,
-            stale=self.stale(by_content=False),
+            stale=self.stale(),
             marks=NO_MARKS if self.library is None else self.library.marks(self.clip_id),
             read=lambda: self.cut(start, end),
         )

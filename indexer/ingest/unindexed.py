@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,9 @@ from indexer.store.captions import Stated, stated_option
 from indexer.store.files import File
 from indexer.store.read_options import ReadOptions
 from indexer.store.stored_library import StoredLibrary
+
+#: Digests of files that are remembered: a folder that was copied has another time on every one.
+_DIGESTS = 4096
 
 
 def read_unindexed(
@@ -59,13 +63,10 @@ def read_unindexed(
     return read
 
 
-def file_state(library: StoredLibrary, clip: int, place: Path, *, by_content: bool = True) -> str:
+def file_state(library: StoredLibrary, clip: int, place: Path) -> str:
     """What became of the file of a clip since it was indexed: that it is gone or has changed; else empty.
 
-    Parameters
-    ----------
-    by_content : bool
-        Read a file whose size or time is another; else it has changed.
+    Only a file of the same size and another time is read, as one that was copied or touched: it may be the same.
     """
     row = library.connection.execute(
         "SELECT size, mtime_ns, hash FROM files JOIN clips ON clips.file_id = files.id WHERE clips.id = ?", (clip,)
@@ -73,12 +74,18 @@ def file_state(library: StoredLibrary, clip: int, place: Path, *, by_content: bo
     try:
         file = _scanned(split_name(place)[0])
         same = row is None or (file.size, file.mtime_ns) == row[:2]
-        same = same or (by_content and file.hash(place.parent) == row[2])
-    except UnreadableMotion:  # the archive it lies in
-        return "cannot be read any more"
-    except OSError:
+        same = same or (file.size == row[0] and _digest(file, place.parent) == row[2])
+    except (FileNotFoundError, NotADirectoryError):
         return "is gone since it was indexed"
+    except (OSError, UnreadableMotion):  # UnreadableMotion: the archive it lies in
+        return "cannot be read any more"
     return "" if same else "has changed since it was indexed"
+
+
+@lru_cache(_DIGESTS)
+def _digest(file: File, root: Path) -> str:
+    """The digest of a file, read once for each of its sizes and times: every hit of every answer asks for it."""
+    return file.hash(root)
 
 
 def known_options(library: StoredLibrary, path: Path) -> ReadOptions | None:

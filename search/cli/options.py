@@ -208,11 +208,18 @@ def names_clip(text: str, folder: str | None) -> bool:
 
 @contextmanager
 def open_source(
-    ref: str, folder: str | None, *, fps: float | None = None, up: str | None = None, model: str | None = None
+    ref: str,
+    folder: str | None,
+    *,
+    fps: float | None = None,
+    up: str | None = None,
+    model: str | None = None,
+    tell: bool = True,
 ) -> Iterator[tuple[Encoder, MotionSource, Library | None]]:
     """The model, the motion that `ref` names, and the library, None for a file without one.
 
     Where no library is given or found, that of the folder that holds the file is used; none where a model is named.
+    What became of the file of a clip is said, if `tell`; see `named_source`.
     """
     from encoders.bundle.known_models import load_model
     from encoders.errors import LibraryError
@@ -236,7 +243,19 @@ def open_source(
             return
         library = around
     with library:
-        yield library.bundle, find_source(ref, library, fps=fps, up=up), library
+        yield library.bundle, named_source(ref, library, fps=fps, up=up, tell=tell), library
+
+
+def named_source(
+    ref: str, library: Library, *, fps: float | None = None, up: str | None = None, tell: bool = True
+) -> MotionSource:
+    """The motion that `ref` names; if `tell`, it is said where that is stored and its file has changed or is gone."""
+    from search.cli import terminal
+
+    source = library.source(ref, fps=fps, up=up)
+    if tell:
+        terminal.stale({library.reference(source.root, source.path): source.stale()})
+    return source
 
 
 def _library_around(file: Path) -> Library | None:

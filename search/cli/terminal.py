@@ -107,7 +107,13 @@ def _styled(cell: str) -> Text:
 
 
 def hits(
-    found: Hits, query: str, library: StoredLibrary | None = None, *, as_json: bool, sentences: Sequence[str] = ()
+    found: Hits,
+    query: str,
+    library: StoredLibrary | None = None,
+    *,
+    as_json: bool,
+    sentences: Sequence[str] = (),
+    told: bool = False,
 ) -> None:
     """Print the hits of a query; where their library has several roots, the root's name comes before each path.
 
@@ -115,6 +121,8 @@ def hits(
     ----------
     sentences : sequence of str
         What of the query was said in words.
+    told : bool
+        Whether it has been said what became of their files.
     """
     if as_json:
         from search.documents import search_document
@@ -137,10 +145,17 @@ def hits(
         for h, clip in zip(found, clips, strict=True)
     ]
     table(_HIT_COLUMNS, rows, right=("", "score", "start", "end"), below=("clip", "caption"))
-    for clip, stale in {clip: h.stale for h, clip in zip(found, clips, strict=True) if h.stale}.items():
-        note(f"{clip} {stale}")
+    if not told:
+        stale({clip: h.stale for h, clip in zip(found, clips, strict=True)})
     if found.nothing_matches:
         note("no good match; these are the nearest")
+
+
+def stale(clips: Mapping[str, str]) -> None:
+    """Say of clips, by name, what became of their files since they were indexed; nothing where that is empty."""
+    for clip, state in clips.items():
+        if state:
+            note(f"{clip} {state}")
 
 
 def remark(sentences: Sequence[str], bundle: Encoder) -> None:
@@ -196,7 +211,7 @@ def moments(
             print(f"{text}\n{strip(values.tolist(), width - 2)}")
     elif is_terminal() and question.how != "alone":
         print(f" {question.how} ".join(f"'{text}'" for text in question.sentences))
-    hits(found, str(question), library, as_json=False)
+    hits(found, str(question), library, as_json=False, told=curve is not None)
     if not found:
         why = "" if library is None else why_no_clips(library, filters or {})
         whole = "; with --no-split it is searched for as one" if question.undivided else ""

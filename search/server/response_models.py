@@ -77,6 +77,7 @@ class SentenceModel(BaseModel):
 class DescribeResponse(BaseModel):
     path: str
     sentences: list[SentenceModel]
+    stale: str | None
     clip: ClipKey
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from fastapi import Response
@@ -19,11 +20,22 @@ _LOOK = 1.0
 
 
 class JsonAnswer:
-    """A document as JSON that can be given again, as long as the files of its hits are as it says."""
+    """A document as JSON that can be given again, as long as the files it tells of are as it says.
 
-    def __init__(self, document: Any, hits: Sequence[Hit] = ()) -> None:
+    Parameters
+    ----------
+    hits : sequence of Hit
+        Whose files it tells of.
+    files : sequence of (int, Path or None, str)
+        Others: the number of a clip, its file, and what became of that, as of `Hit`.
+    """
+
+    def __init__(
+        self, document: Any, hits: Sequence[Hit] = (), files: Sequence[tuple[int, Path | None, str]] = ()
+    ) -> None:
         self.data = to_json(document)
-        self._files = [(hit.clip_id, hit.file, hit.stale) for hit in hits if hit.clip_id >= 0]
+        told = [*((hit.clip_id, hit.file, hit.stale) for hit in hits), *files]
+        self._files = [one for one in told if one[0] >= 0]
         self._looked = time.monotonic()
 
     @property
@@ -34,10 +46,7 @@ class JsonAnswer:
     def holds(self, library: StoredLibrary) -> bool:
         """Look at the files: whether each is as the answer says."""
         self._looked = time.monotonic()
-        return all(
-            file is None or file_state(library, clip, file, by_content=False) == stale
-            for clip, file, stale in self._files
-        )
+        return all(file is None or file_state(library, clip, file) == stale for clip, file, stale in self._files)
 
 
 def to_json(content: Any) -> bytes:

@@ -98,8 +98,9 @@ def describe(
     ):
         texts, _, vectors = library.caption_vectors() if library else ((), None, None)
         sentences = describe_motion(bundle, source.cut(start, end), k, texts, vectors)
+        stale = source.stale() or None
     if as_json:
-        terminal.document(description_document(source.path, sentences))
+        terminal.document(description_document(source.path, sentences) | {"stale": stale})
     else:
         rows = [(f"{s.score:.3f}", s.text, s.strength) for s in sentences]
         terminal.table(("score", "sentence", "strength"), rows, right=("score",))

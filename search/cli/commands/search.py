@@ -57,14 +57,13 @@ def search(
     from search.cli import terminal
     from search.cli.progress import working
     from search.query.mixed import WEIGHT, difference_of
-    from search.references import find_source
 
     if weight is not None and like is None:
         raise click.UsageError("--weight needs --like CLIP")
     options.refuse_export(export_folder, force)
     with options.open_library(folder) as library:
         with working("searching"):
-            source = None if like is None else find_source(like, library)
+            source = None if like is None else options.named_source(like, library)
             share = WEIGHT if weight is None else weight
             found = library.search(
                 sentence, k, like=source, weight=share, min_strength=min_strength, exact=exact, **filters

@@ -76,11 +76,12 @@ def segment(
             if not names:
                 raise click.ClickException("no captions to use as labels; give --labels")
         segments = segment_motion(bundle, source, names or vocabulary())
+        stale = source.stale() or None
     if out is not None and write is not None:
         write_text(out, write(segments, source.path))
         terminal.note(f"wrote {out}")
     if as_json:
-        terminal.document(as_document(segments, source.path))
+        terminal.document(as_document(segments, source.path) | {"stale": stale})
     elif out is None:
         rows = [(f"{s.start:.1f}", f"{s.end:.1f}", s.label or "-", f"{s.score:.3f}", s.strength) for s in segments]
         terminal.table(("start", "end", "label", "score", "strength"), rows, right=("start", "end", "score"))

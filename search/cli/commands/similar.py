@@ -46,11 +46,10 @@ def similar(
     """
     from search.cli import terminal
     from search.cli.progress import working
-    from search.references import find_source
 
     with options.open_library(folder) as library:
         with working("comparing"):
-            source = find_source(ref, library, fps=fps, up=up)
+            source = options.named_source(ref, library, fps=fps, up=up)
             found = library.similar(source, k, start, end, moments=moments, min_strength=min_strength, **filters)
         terminal.hits(found, ref, library, as_json=as_json)
         if not found:

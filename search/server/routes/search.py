@@ -125,7 +125,9 @@ def routes(state: AppState) -> APIRouter:
     def described(source: MotionSource, ref: str, span: tuple[float | None, float | None], k: int) -> JsonAnswer:
         texts, _, vectors = library.caption_vectors()
         found = describe_motion(library.bundle, source.cut(*span), k, texts, vectors)
-        return JsonAnswer(description_document(source.path, found) | {"clip": _ref(source, ref)})
+        stale = source.stale()
+        document = description_document(source.path, found) | {"stale": stale or None, "clip": _ref(source, ref)}
+        return JsonAnswer(document, files=[(source.clip_id, source.file, stale)])
 
     @router.get("/describe", responses=ok(response_models.DescribeResponse) | NO_CLIP)
     async def describe(request: Request, clip: ClipParam, span: SpanParams, k: CountParam = 5) -> Response:

@@ -54,7 +54,7 @@ def test_similar_moments_of_a_cut(indexed: Path, run: Run) -> None:
 
 def test_describe_as_json(indexed: Path, run: Run) -> None:
     found = run("describe", "take 1.npy", "--library", indexed, "--json", "-k", 4).document
-    assert set(found) == {"path", "sentences"}
+    assert set(found) == {"path", "sentences", "stale"}
     assert [set(sentence) for sentence in found["sentences"]] == [{"text", "score", "strength"}] * 4
 
 

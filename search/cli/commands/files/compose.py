@@ -106,7 +106,8 @@ def compose(
             f"nothing happens before {line.moved:g} s; the motion begins there, and its times count from there"
         )
     with working("composing"), options.open_library(folder) as library:
-        found = library.compose(line, samples=samples, seed=seed, after=after, transition=transition, **filters)
+        before = None if after is None else options.named_source(after, library)
+        found = library.compose(line, samples=samples, seed=seed, after=before, transition=transition, **filters)
         for composition, path in zip(found, outs, strict=True):
             write_composition(composition, path, rig=rig)
         documents = [{"file": str(path)} | document(one) for one, path in zip(found, outs, strict=True)]

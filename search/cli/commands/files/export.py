@@ -64,11 +64,16 @@ def export(
     if out.suffix.lower() not in WRITERS:
         raise click.UsageError(f"{out}: unsupported format; use {', '.join(WRITERS)}")
     options.refuse_overwriting(out, force)
-    with working(f"exporting {ref}"), options.open_source(ref, folder, up=up) as (_, source, _library):
+    with (
+        working(f"exporting {ref}"),
+        options.open_source(ref, folder, up=up, tell=False) as (_, source, _library),  # write_cut says more
+    ):
         if source.file is not None and out.exists() and source.file.exists() and out.samefile(source.file):
             raise click.UsageError(f"{out} is the source file of the clip; choose another file")
         frames, fps = write_cut(source, out, start, end, fps=fps, in_place=in_place, rig=rig)
+        stale = source.stale() or None
     if as_json:
-        terminal.document({"path": str(out), "source": source.path, "frames": frames, "fps": round(fps, 4)})
+        written = {"path": str(out), "source": source.path, "frames": frames, "fps": round(fps, 4)}
+        terminal.document(written | {"stale": stale})
     else:
         print(f"{out}: {frames} {'frame' if frames == 1 else 'frames'} at {fps:g} fps")

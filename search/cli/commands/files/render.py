@@ -53,7 +53,8 @@ def render(
     options.refuse_overwriting(out, force)
     with working(f"rendering {ref}"), options.open_source(ref, folder, up=up) as (_, source, _library):
         frames = write_picture(source.cut(start, end), out, size=size, fps=fps)
+        stale = source.stale() or None
     if as_json:
-        terminal.document({"path": str(out), "source": source.path, "frames": frames})
+        terminal.document({"path": str(out), "source": source.path, "frames": frames, "stale": stale})
     else:
         print(f"{out}: {frames} {'poses' if out.suffix.lower() == '.png' else 'frames'}")
