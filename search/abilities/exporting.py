@@ -42,7 +42,7 @@ class ExportableLibrary(SelectableLibrary):
         Parameters
         ----------
         to_fps : float, optional
-            Frames a second of what is written.
+            Frames a second of what is written; a .npy has always 20.
         in_place : bool
             Leave out the way that the hips travel over the floor, as loops need it.
         rig : path, optional

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from encoders.arguments import checked_flag, checked_path
 from encoders.errors import ArgumentError, MotionSeekWarning, QueryError
-from encoders.motion import Motion
+from encoders.motion import FPS, Motion
 from indexer.formats.opening import read_bytes
 from indexer.formats.reading import is_of_format, split_name
 from indexer.part_names import with_part
@@ -68,7 +68,7 @@ def write_cut(
     Parameters
     ----------
     fps : float, optional
-        Frames a second of what is written; else those of the source's rig, or 20.
+        Frames a second of what is written; else those of the source's rig, or 20. A .npy has always 20.
     in_place : bool
         Leave out the way that the hips travel over the floor.
     rig : Path, optional
@@ -83,7 +83,8 @@ def write_cut(
     Raises
     ------
     QueryError
-        If the cut lies outside the motion, the ending names no format that can be written, or `out` is the source.
+        If the cut lies outside the motion, the ending names no format that can be written or none that keeps `fps` or
+        `rig`, or `out` is the source.
     """
     if source.file is not None and os.path.exists(out) and os.path.exists(source.file) and out.samefile(source.file):
         raise QueryError(f"{out} is the clip itself; name another file, its source would be lost")
@@ -97,6 +98,8 @@ def write_cut(
     options = WriteOptions(fps, in_place, rig)
     if rig is not None and writer is not _write_bvh:
         raise QueryError(f"{out}: only a .bvh is written on the rig of another file")
+    if fps not in (None, FPS) and writer is _write_npy:
+        raise QueryError(f"{out}: a .npy keeps no frame rate and is read at {FPS:g}; write a .npz, which keeps {fps:g}")
     if writer is _write_bvh and rig is None and not stale and source.file is not None:
         path = Path(with_part(str(source.file), source.part))
         span = max(start or 0.0, source.start), source.end if end is None else min(end, source.end)
@@ -153,7 +156,7 @@ def _write_npz(file: IO[bytes], motion: Motion, options: WriteOptions) -> tuple[
 
 
 def _write_npy(file: IO[bytes], motion: Motion, options: WriteOptions) -> tuple[int, float]:
-    motion = _resampled(_placed(motion, options), options)
+    motion = _resampled(_placed(motion, options), replace(options, fps=FPS))  # at which it is read
     np.save(file, motion.joints)
     return len(motion), motion.fps
 

@@ -114,6 +114,7 @@ def test_an_error_is_a_traceback_only_with_debug(indexed: Path, run: Run) -> Non
         (["moments", "walks", "--then", "sits", "--while", "waves", "take 1"], "exclude each other"),
         (["export", "take 1", "x.fbx"], ".bvh, .npz, .npy, .glb"),
         (["export", "take 1", "x.npy", "--start", "9"], "outside"),
+        (["export", "take 1", "x.npy", "--fps", "60"], "write a .npz"),
         (["segment", "take 1", "--labels", " , "], "--labels"),
         (["similar", "take 1", "--start", "3", "--end", "2"], "end=2 must be after start=3"),
         (["similar", "take 1", "--start", "2", "--end", "2.1"], "at least 0.5 s"),

@@ -131,6 +131,16 @@ def test_another_frame_rate_is_the_same_movement(ending: str, fps: int, tmp_path
     assert _off(again, motion) < 0.5
 
 
+def test_an_npy_has_the_rate_at_which_it_is_read(tmp_path: Path) -> None:
+    motion = MOTIONS["a walk"]()
+    with pytest.raises(QueryError, match=r"write a \.npz"):
+        write_cut(MotionSource.of_motion(motion), tmp_path / "x.npy", fps=60)
+    assert not (tmp_path / "x.npy").exists()
+    for given, fps in ((motion, 20), (motion, None), (motion.resample(60), None)):
+        write_cut(MotionSource.of_motion(given), tmp_path / "x.npy", fps=fps)
+        assert len(load_motion(tmp_path / "x.npy")) == len(motion)
+
+
 @pytest.mark.parametrize("ending", [".bvh", ".glb", ".npz", ".npy"])
 def test_in_place_the_hips_stay_over_one_spot(ending: str, tmp_path: Path) -> None:
     motion = MOTIONS["a walk"]()

@@ -64,9 +64,10 @@ def test_a_motion_that_is_written_is_read(motion: Motion, fps: float | None) -> 
     for ending in WRITERS:
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder, f"x{ending}")
-            frames, rate = write_cut(MotionSource.of_motion(motion), file, fps=fps)
-            found = load_motion(file, fps=rate if ending == ".npy" else None, up="y")
-        written = motion if fps is None else motion.resample(fps)
+            wanted = None if ending == ".npy" else fps
+            frames, rate = write_cut(MotionSource.of_motion(motion), file, fps=wanted)
+            found = load_motion(file, up="y")
+        written = motion if wanted is None else motion.resample(wanted)
         assert (frames, rate) == (len(written), written.fps)
         expected = rigid(written.resample(FPS).joints)  # between the frames of another rate bones would be shorter
         assert abs(len(found) - len(expected)) <= 1

@@ -343,6 +343,7 @@ def test_the_page_or_an_error(client):
         "/api/motions/1/joints?fps=0",
         "/api/export?clip=1&format=exe",
         "/api/export?clip=1&start=500",
+        "/api/export?clip=1&format=npy&fps=60",
     ],
 )
 def test_invalid_arguments_are_422(client, url):

@@ -18,7 +18,7 @@ from search.cli.path_types import NEW_FILE
 @click.option(
     "--fps",
     type=options.Number(1, 1000),
-    help="Frame rate of OUT, such as 24, 30 or 60. [default: that of the source's rig, else 20]",
+    help="Frame rate of OUT, such as 24, 30 or 60; a .npy has always 20. [default: that of the source's rig, else 20]",
 )
 @click.option("--in-place", is_flag=True, help="Leave out the way travelled over the floor, as loops need it.")
 @click.option(
