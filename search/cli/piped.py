@@ -17,19 +17,30 @@ _OF_HITS, _CLIP = 8, 5
 def clips_in(text: str) -> list[str]:
     """References of the clips that a text names, each once: a JSON document, or a clip a line.
 
+    A document is a list of paths, numbers and objects, or an object that has such a list as `clips` or `hits`.
+
     Raises
     ------
     click.UsageError
-        If it begins as JSON and is none, or names no clips.
+        If it begins as JSON and is none, or names something else than clips.
     """
-    if text.lstrip().startswith("{"):
-        try:
-            found = list(_of_document(json.loads(text)))
-        except (ValueError, RecursionError):
-            raise click.UsageError("what is piped in begins as JSON and is none") from None
-    else:
-        found = [_of_line(line) for line in text.splitlines() if line.strip()]
-    return list(dict.fromkeys(found))
+    document = _document(text)
+    if document is None:
+        return list(dict.fromkeys(_of_line(line) for line in text.splitlines() if line.strip()))
+    return list(dict.fromkeys(_of_document(document)))
+
+
+def _document(text: str) -> Any:
+    """What a text is as JSON; None for lines, the first of which may be a name that begins with a bracket."""
+    begins = text.lstrip()[:1]
+    if begins not in ("{", "["):
+        return None
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        if begins == "[":
+            return None
+        raise click.UsageError("what is piped in begins as JSON and is none") from None
 
 
 def _of_line(line: str) -> str:
@@ -39,11 +50,33 @@ def _of_line(line: str) -> str:
 
 
 def _of_document(content: Any) -> Iterator[str]:
-    for record in content.get("clips", []) + content.get("hits", []):
-        number = record.get("id", record.get("clip"))
-        yield f"#{number}" if isinstance(number, int) else str(record.get("path", ""))
-    for stack in content.get("stacks", []):
+    if isinstance(content, list):
+        yield from map(_of_record, content)
+        return
+    for name in ("clips", "hits"):
+        yield from map(_of_record, _list(content, name))
+    for stack in _list(content, "stacks"):
         yield from _of_document(stack)
+
+
+def _list(content: Any, name: str) -> list[Any]:
+    """A list within a JSON object; empty where there is none of the name."""
+    found = content.get(name, []) if isinstance(content, dict) else None
+    if not isinstance(found, list):
+        raise click.UsageError(f"JSON that is piped in must have clips as a list, not {json.dumps(content)[:100]}")
+    return found
+
+
+def _of_record(record: Any) -> str:
+    """The reference of a clip by its path or number, or by an object with one as path, id or clip."""
+    if isinstance(record, dict):
+        number = record.get("id", record.get("clip"))
+        record = number if isinstance(number, int) else record.get("path")
+    if isinstance(record, int) and not isinstance(record, bool):
+        return f"#{record}"
+    if isinstance(record, str) and record:
+        return record
+    raise click.UsageError(f"JSON that is piped in must name clips by path or number, not {json.dumps(record)[:100]}")
 
 
 def read_clips(_: click.Context, __: click.Parameter, value: str | None) -> tuple[str, ...] | None:

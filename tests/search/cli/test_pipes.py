@@ -9,6 +9,7 @@ import shutil
 import threading
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 
@@ -57,6 +58,24 @@ def test_stacks_are_read_as_clips() -> None:
     stacks = {"stacks": [{"clips": [{"id": 3, "path": "a"}, {"id": 7, "path": "b"}]}]}
     assert clips_in(json.dumps(stacks)) == ["#3", "#7"]
     assert clips_in("1\t#3\tr\ta b.bvh\t2.0\trig\t\n") == ["#3"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['{"clips": ["a b.bvh", 3]}', '["a b.bvh", 3]', '[{"path": "a b.bvh"}, {"id": 3, "path": "c.bvh"}]'],
+)  # fmt: skip
+def test_json_names_clips_by_path_by_number_and_as_objects(text: str) -> None:
+    assert clips_in(text) == ["a b.bvh", "#3"]
+
+
+def test_a_name_may_begin_with_a_bracket() -> None:
+    assert clips_in("[old] walk.bvh\n[old] run.bvh\n") == ["[old] walk.bvh", "[old] run.bvh"]
+
+
+@pytest.mark.parametrize("text", ["{", '{"clips": "a.bvh"}', '{"stacks": [1]}', "[null]", '[{"name": "a"}]', "[true]"])
+def test_json_that_names_no_clips_is_a_usage_error(text: str) -> None:
+    with pytest.raises(click.UsageError, match="piped in"):
+        clips_in(text)
 
 
 def test_a_whole_archive_is_labelled_as_a_captions_table(folder: Path, run: Run, tmp_path: Path) -> None:
